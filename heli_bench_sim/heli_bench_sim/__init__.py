@@ -1,0 +1,1 @@
+"""The helicopter test bench as it is: helicopter, rig, sensors, actuators."""

@@ -1,0 +1,1 @@
+"""ROS 2 nodes of heli_bench_sim: declare, convert, call, publish."""

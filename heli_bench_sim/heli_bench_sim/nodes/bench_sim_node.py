@@ -1,0 +1,55 @@
+"""bench_sim: the simulated bench as a ROS 2 node."""
+
+from __future__ import annotations
+
+import sys
+
+from heli_common.nodes.runner import run_node  # first: it takes the signals before rclpy does
+
+# isort: split
+from rclpy.node import Node
+
+from heli_bench_sim.bench import Bench
+from heli_bench_sim.bench_parameters import BenchParameters
+from heli_bench_sim.nodes.bench_program import LOCKSTEP, MODES, BenchProgram
+from heli_bench_sim.simulator import BenchSimulator
+from heli_bench_sim.watch import WatchParameters
+from heli_common.errors import InputError
+from heli_common.nodes.parameters import declare_groups, declare_integer, declare_parameters, declare_text
+from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
+from heli_common.topics import BENCH_SIM, TOPICS
+
+
+def build(node: Node, running: tuple[str, ...]) -> BenchProgram:
+    """Declare parameters and build the bench.
+
+    Raises:
+        InputError: a parameter is not allowed.
+    """
+    mode = declare_text(node, "mode", LOCKSTEP, f"way of running: {' or '.join(MODES)}")
+    if mode not in MODES:
+        raise InputError(f"{mode!r}", allowed=", ".join(MODES), key="mode")
+    seed = declare_integer(node, "seed", 1, "seed of every random number of the bench", 0, 2**31 - 1)
+    parameters = declare_groups(node, BenchParameters)
+    watch = declare_parameters(node, WatchParameters, "watch.")
+    _warm_up(parameters)
+    return BenchProgram(BenchSimulator(Bench(parameters, seed)), mode, running, watch)
+
+
+def _warm_up(parameters: BenchParameters) -> None:
+    """Load the compiled kernels before time runs: a bench of its own goes through one control period."""
+    simulator = BenchSimulator(Bench(parameters))
+    simulator.tick()
+    for topic in simulator.inputs:
+        simulator.receive(topic, 0, (0.0,) * len(TOPICS[topic].layout.fields))
+    for _ in range(CONTROL_PERIOD_NS // SENSOR_PERIOD_NS):
+        simulator.tick()
+
+
+def main() -> None:
+    """Entry point of the node."""
+    sys.exit(run_node(BENCH_SIM, build))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,141 @@
+"""The bench as a component: samples out, commands in, on the time grid of spec 6.4.
+
+A command stamped t_k acts at t_k + 5 ms; servo pulse frames latch at n * 20 ms + 5 ms. Who drives the
+bench decides what happens when a command is missing at that instant: lockstep waits for `missing()` to be
+empty, real time goes on with the newest command there is and counts it as late.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from heli_bench_sim.bench import Bench
+from heli_common.component import Message
+from heli_common.errors import SafetyStop
+from heli_common.finite import require_finite
+from heli_common.flight_state import FlightState, flight_state_from_code
+from heli_common.timing import (
+    COMMAND_LATENCY_NS,
+    SENSOR_PERIOD_NS,
+    is_command_tick,
+    is_control_tick,
+    is_pwm_tick,
+)
+from heli_common.topics import BENCH_SIM
+from heli_common.vehicle_state import VehicleState, odometry_values
+
+_NO_VARIANCE = (0.0,) * 6
+
+
+class BenchSimulator:
+    """A bench that takes commands and gives a sample every 2.5 ms.
+
+    Attributes:
+        stamp_ns: stamp of the last sample, negative before the first one.
+        late: late commands so far, per input topic.
+        newest: stamp of the newest command so far, per input topic.
+        ended_at: stamp of the first flight state that ends the flight, or None.
+    """
+
+    name = BENCH_SIM
+    inputs: tuple[str, ...] = ("servo_command", "motor_command", "flight_state")
+    outputs: tuple[str, ...] = ("encoders", "rotor", "actuator_state", "ground_truth", "clock")
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench = bench
+        self.stamp_ns = -SENSOR_PERIOD_NS
+        self.late = dict.fromkeys(self.inputs, 0)
+        self.ended_at: int | None = None
+        self._commands: dict[str, list[tuple[int, Sequence[float]]]] = {topic: [] for topic in self.inputs}
+        self.newest = dict.fromkeys(self.inputs, -1)
+
+    def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
+        """Keep a command until it acts.
+
+        Raises:
+            SafetyStop: a number in the command is not finite.
+        """
+        try:
+            require_finite(topic, values)
+        except ValueError as error:
+            raise SafetyStop(f"{error} at {stamp_ns * 1e-9:.2f} s; motor switched off") from None
+        self._commands[topic].append((stamp_ns, values))
+        self.newest[topic] = max(self.newest[topic], stamp_ns)
+        if topic == "flight_state" and self.ended_at is None and flight_state_from_code(values[0]).ended:
+            self.ended_at = stamp_ns
+        return []
+
+    def missing(self) -> tuple[str, ...]:
+        """Topics whose command for the coming instant is not here yet; empty if the bench may go on."""
+        if not is_command_tick(self.stamp_ns):
+            return ()
+        due = self.stamp_ns - COMMAND_LATENCY_NS
+        return tuple(topic for topic in self.inputs if self.newest[topic] < due)
+
+    def tick(self) -> list[Message]:
+        """Go on by 2.5 ms with the newest commands and take a sample; the first call samples at time 0."""
+        if self.stamp_ns >= 0:
+            if is_command_tick(self.stamp_ns):
+                self._apply(self.stamp_ns - COMMAND_LATENCY_NS)
+            self.bench.advance()
+            if not self.bench.is_finite:
+                raise SafetyStop(f"the motion is no longer finite at {self.stamp_ns * 1e-9:.2f} s")
+        self.stamp_ns += SENSOR_PERIOD_NS
+        return self._sample()
+
+    def _apply(self, due_ns: int) -> None:
+        for topic in self.inputs:
+            if self.newest[topic] < due_ns:
+                self.late[topic] += 1
+        if (motor := self._take("motor_command", due_ns)) is not None:
+            self.bench.set_motor_voltage(motor[2])
+        if (stage := self._take("flight_state", due_ns)) is not None:
+            state = flight_state_from_code(stage[0])
+            self.bench.set_homing(state is FlightState.HOMING)
+        if is_pwm_tick(self.stamp_ns) and (servo := self._take("servo_command", due_ns)) is not None:
+            self.bench.set_servo_command(servo[0], servo[1], servo[2], servo[3])
+
+    def _take(self, topic: str, due_ns: int) -> Sequence[float] | None:
+        """The newest command stamped not later than `due_ns`; older ones are superseded."""
+        commands = self._commands[topic]
+        taken = None
+        while commands and commands[0][0] <= due_ns:
+            taken = commands.pop(0)[1]
+        return taken
+
+    def switch_off(self) -> None:
+        """Motor voltage zero, whatever was commanded."""
+        self._commands["motor_command"].clear()
+        self.bench.set_motor_voltage(0.0)
+
+    def _sample(self) -> list[Message]:
+        stamp, bench = self.stamp_ns, self.bench
+        reading = bench.encoder_reading()
+        indexed = [float(flag) for flag in reading.indexed]
+        messages = [Message("encoders", stamp, (*reading.angle, *_zeros(6), *indexed))]
+        if is_control_tick(stamp):
+            truth = VehicleState(bench.position, bench.attitude, bench.velocity, bench.rates)
+            blade = bench.actuator_state()
+            saturated = (float(blade.saturated),) * 4
+            messages += [
+                Message("rotor", stamp, (0.0, bench.rotor_speed, 0.0)),
+                Message(
+                    "actuator_state",
+                    stamp,
+                    (
+                        *blade.angles,
+                        0.0,
+                        *blade.angle_rates,
+                        blade.motor_speed,
+                        *saturated,
+                        blade.motor_torque,
+                    ),
+                ),
+                Message("ground_truth", stamp, odometry_values(truth, _NO_VARIANCE, _NO_VARIANCE)),
+                Message("clock", stamp, ()),
+            ]
+        return messages
+
+
+def _zeros(count: int) -> tuple[float, ...]:
+    return (0.0,) * count

@@ -1,0 +1,80 @@
+"""Encoders: counts from power-up, index pulses, absolute counts."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from heli_bench_sim.encoders import INDEX_OFFSET, Encoders, whole_counts
+
+REST = np.radians([29.016, 29.016, 29.016, 0.0, 0.0, 0.0])
+COUNT = 2.0 * math.pi / 2000.0
+SIX = st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6)
+
+
+def test_counts_by_hand() -> None:
+    """0.18 deg per count, to the nearest."""
+    assert whole_counts(np.radians([0.0, 0.09, 0.0899, -0.0899, 0.36, -0.36])).tolist() == [0, 1, 0, 0, 2, -2]
+
+
+def test_power_up_reads_zero_and_is_not_indexed() -> None:
+    encoders = Encoders(REST, REST)
+    assert encoders.reading.counts.tolist() == [0] * 6
+    assert not encoders.reading.indexed.any()
+
+
+def test_relative_before_the_index_absolute_after() -> None:
+    encoders = Encoders(REST, REST)
+    encoders.sample(REST + math.radians(3.6))
+    assert encoders.reading.counts.tolist() == [20, 20, 20, 20, 20, 20]
+    moved = REST.copy()
+    moved[0] += math.radians(7.2)
+    encoders.sample(moved)
+    assert encoders.reading.indexed.tolist() == [True] + [False] * 5
+    assert encoders.reading.counts[0] == round(math.degrees(moved[0]) / 0.18)
+    encoders.sample(REST)
+    assert encoders.reading.indexed[0]
+    assert encoders.reading.angle[0] == pytest.approx(REST[0], abs=0.5 * COUNT)
+
+
+def test_index_is_crossed_from_either_side_and_only_by_crossing() -> None:
+    above = REST + INDEX_OFFSET + math.radians(1.0)
+    encoders = Encoders(above, REST)
+    encoders.sample(above + 1.0)
+    assert not encoders.reading.indexed.any()
+    encoders.sample(REST)
+    assert encoders.reading.indexed.all()
+
+
+def test_readings_are_copies() -> None:
+    encoders = Encoders(REST, REST)
+    reading = encoders.reading
+    reading.counts[:] = 99
+    reading.indexed[:] = True
+    assert encoders.reading.counts.tolist() == [0] * 6
+    assert not encoders.reading.indexed.any()
+
+
+@settings(deadline=None, max_examples=50)
+@given(
+    st.lists(st.floats(-1.5, 1.5), min_size=6, max_size=6), st.lists(st.floats(-3, 3), min_size=6, max_size=6)
+)
+def test_reading_is_within_half_a_count_once_indexed_and_one_before(
+    start: list[float], end: list[float]
+) -> None:
+    first, last = np.array(start), np.array(end)
+    encoders = Encoders(first, first)
+    encoders.sample(last)
+    reading = encoders.reading
+    truth = np.where(reading.indexed, last, last - first)
+    assert (np.abs(reading.angle - truth) <= np.where(reading.indexed, 0.5, 1.0) * COUNT + 1e-12).all()
+
+
+def test_angles_that_are_no_numbers_are_refused() -> None:
+    encoders = Encoders(REST, REST)
+    with pytest.raises(ValueError, match="nan"):
+        encoders.sample(np.array([math.nan] * 6))
+    with pytest.raises(ValueError, match="6 finite"):
+        encoders.sample(np.zeros(5))

@@ -1,0 +1,1 @@
+"""Motor, position and attitude control: designs, controller files, nodes."""

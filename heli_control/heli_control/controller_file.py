@@ -1,0 +1,168 @@
+"""The controller file: both axes of a flight controller as discrete state space, read strictly.
+
+YAML, `format: heli_controller/1`. Inputs are deviations of the measured state from the operating point and
+absolute references; outputs are deviations of the commands from the operating point. Any linear controller
+fits: a static gain has no states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from heli_common.errors import InputError
+from heli_common.files import read_yaml, write_atomically
+from heli_common.linear_model import OperatingPoint, StateSpace
+from heli_common.model_file import (
+    check_format,
+    check_keys,
+    read_mapping,
+    read_operating_point,
+    read_state_space,
+    read_word,
+    yaml_text,
+)
+from heli_common.timing import CONTROL_PERIOD
+from heli_common.topics import SERVO_CHANNELS
+
+FORMAT = "heli_controller/1"
+AXES = ("horizontal", "vertical")
+MEASURED = ("theta", "phi", "u", "v", "w", "p", "q", "r")
+REFERENCES = ("u_ref", "v_ref", "w_ref", "r_ref")
+SIGNALS = MEASURED + REFERENCES
+"""What a controller may ask for: angles [rad], velocities [m/s] and rates [rad/s] in body FRD."""
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerFile:
+    """A flight controller and where it comes from.
+
+    Attributes:
+        name: of the controller.
+        kind: how it was designed, e.g. `lq`.
+        plant_name: name of the model it was designed for.
+        plant_hash: hash of that model, see `ModelFile`.
+        operating_point: trim that is subtracted from the state and added to the commands.
+        horizontal: controller of B_1s and A_1s, sampled at 100 Hz.
+        vertical: controller of theta_0 and theta_t, sampled at 100 Hz.
+        provenance: weights, versions and figures of the design, free.
+        sample_time_s: of both axes [s].
+
+    Raises:
+        InputError: a signal nobody has, a command that nobody or two axes give, another sample time.
+    """
+
+    name: str
+    kind: str
+    plant_name: str
+    plant_hash: str
+    operating_point: OperatingPoint
+    horizontal: StateSpace
+    vertical: StateSpace
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    sample_time_s: float = CONTROL_PERIOD
+
+    def __post_init__(self) -> None:
+        if self.sample_time_s != CONTROL_PERIOD:
+            raise InputError(f"{self.sample_time_s!r}", allowed=f"{CONTROL_PERIOD}", key="sample_time_s")
+        given: list[str] = []
+        for axis in AXES:
+            block: StateSpace = getattr(self, axis)
+            _check_names(block.inputs, SIGNALS, f"axes.{axis}.inputs")
+            _check_names(block.outputs, SERVO_CHANNELS, f"axes.{axis}.outputs")
+            for index, name in enumerate(block.outputs):
+                if name in given:
+                    key = f"axes.{axis}.outputs[{index}]"
+                    raise InputError(f"{name!r} occurs twice", allowed="every command once", key=key)
+                given.append(name)
+        for name in SERVO_CHANNELS:
+            if name not in given:
+                allowed = "every command once: " + ", ".join(SERVO_CHANNELS)
+                raise InputError(f"no axis gives {name!r}", allowed=allowed, key="axes")
+
+    def mapping(self) -> dict[str, Any]:
+        """Everything, as it stands in a file: plain numbers, texts, lists and mappings."""
+        return {
+            "format": FORMAT,
+            "name": self.name,
+            "kind": self.kind,
+            "plant": {"name": self.plant_name, "hash": self.plant_hash},
+            "sample_time_s": self.sample_time_s,
+            "operating_point": asdict(self.operating_point),
+            "axes": {axis: getattr(self, axis).mapping() for axis in AXES},
+            "provenance": dict(self.provenance),
+        }
+
+    def to_yaml(self) -> str:
+        """The text of the file.
+
+        Raises:
+            ValueError: `provenance` holds something that YAML cannot.
+        """
+        return yaml_text(self.mapping())
+
+    def write(self, path: Path) -> None:
+        """Write the file; reading gives the same bits."""
+        write_atomically(path, self.to_yaml())
+
+    @classmethod
+    def read(cls, path: Path) -> ControllerFile:
+        """Read a file strictly.
+
+        Raises:
+            InputError: missing or corrupt file, unknown or missing key, unknown or doubled signal, wrong
+                shape, not a finite number, wrong sample time; names file, key, value and what is allowed.
+        """
+        document = read_yaml(path)
+        check_format(document, FORMAT, path)
+        required = ("format", "name", "kind", "plant", "sample_time_s", "operating_point", "axes")
+        check_keys(document, required, ("provenance",), path)
+        plant = read_mapping(document["plant"], path, "plant")
+        check_keys(plant, ("name", "hash"), (), path, "plant.")
+        axes = read_mapping(document["axes"], path, "axes")
+        check_keys(axes, AXES, (), path, "axes.")
+        try:
+            return cls(
+                name=read_word(document["name"], path, "name"),
+                kind=read_word(document["kind"], path, "kind"),
+                plant_name=read_word(plant["name"], path, "plant.name"),
+                plant_hash=read_word(plant["hash"], path, "plant.hash"),
+                operating_point=read_operating_point(document["operating_point"], path, "operating_point"),
+                horizontal=read_state_space(axes["horizontal"], path, "axes.horizontal"),
+                vertical=read_state_space(axes["vertical"], path, "axes.vertical"),
+                provenance=read_mapping(document.get("provenance", {}), path, "provenance"),
+                sample_time_s=document["sample_time_s"],
+            )
+        except InputError as error:
+            raise InputError(error.problem, allowed=error.allowed, file=path, key=error.key) from None
+
+
+def shipped_controllers() -> dict[str, Path]:
+    """Names and files of the controllers that come with this package."""
+    folder = Path(str(files("heli_control"))) / "controllers"
+    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+
+
+def load_controller(name_or_path: str) -> ControllerFile:
+    """A controller by the name of a shipped one or by the path of its file; a file goes first.
+
+    Raises:
+        InputError: neither, or the file is not a controller file.
+    """
+    path = Path(name_or_path)
+    if path.is_file():
+        return ControllerFile.read(path)
+    shipped = shipped_controllers()
+    if name_or_path in shipped:
+        return ControllerFile.read(shipped[name_or_path])
+    allowed = "a file, or one of " + ", ".join(shipped)
+    raise InputError(f"{name_or_path!r} is no controller", allowed=allowed, key="controller")
+
+
+def _check_names(names: tuple[str, ...], known: tuple[str, ...], key: str) -> None:
+    for index, name in enumerate(names):
+        if name not in known:
+            raise InputError(f"unknown signal {name!r}", allowed=", ".join(known), key=f"{key}[{index}]")

@@ -1,0 +1,1 @@
+"""ROS 2 nodes of heli_control: declare, convert, call, publish."""

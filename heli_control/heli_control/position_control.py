@@ -1,0 +1,197 @@
+"""Position controller: PI per axis in heading coordinates, to velocity and yaw-rate references (spec 3.2).
+
+    reference = K_p (e + 1/T_i integral of e) + feed-forward          (source sec. 3.2.4, Table 3.2)
+
+x points forward horizontally, y to the right, z down. The integral part is limited and resettable, and
+stands still while its error would drive a limited output further. It takes in the distance from the expected
+response (`reference_model`), not from the reference, so that a step does not wind it up (D). The vertical
+axis follows that response altogether, with its rate as feed-forward: take-off and landing are ramps (D).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import cos, sin
+
+from heli_common import topics
+from heli_common.component import Message, StampJoin
+from heli_common.finite import require_finite
+from heli_common.quantities import quantity
+from heli_common.rotations import Vector3
+from heli_common.timing import CONTROL_PERIOD
+from heli_common.vehicle_state import VehicleState, pose_from_values, state_from_odometry, twist_values
+from heli_control.received import flight_state
+from heli_control.reference_model import ReferenceModel
+
+VelocityReference = tuple[float, float, float, float]
+"""Velocities forward, right, down in heading axes [m/s] and yaw rate [rad/s]."""
+
+NO_VELOCITY: VelocityReference = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class PositionParameters:
+    """Gains, times and limits of the four axes."""
+
+    gain_x: float = quantity(2.0, "1/s", "T", "gain K_p forward", 0.0, 10.0)
+    gain_y: float = quantity(2.0, "1/s", "T", "gain K_p to the right", 0.0, 10.0)
+    gain_z: float = quantity(0.7, "1/s", "T", "gain K_p down", 0.0, 10.0)
+    gain_psi: float = quantity(2.5, "1/s", "T", "gain K_p of the heading", 0.0, 10.0)
+    time_x: float = quantity(5.0, "s", "T", "integral time T_i forward", 0.1, 1e6)
+    time_y: float = quantity(5.0, "s", "T", "integral time T_i to the right", 0.1, 1e6)
+    time_z: float = quantity(15.0, "s", "T", "integral time T_i down", 0.1, 1e6)
+    time_psi: float = quantity(5.0, "s", "T", "integral time T_i of the heading", 0.1, 1e6)
+    integral_x: float = quantity(0.3, "m/s", "D", "largest integral part forward", 0.0, 2.0)
+    integral_y: float = quantity(0.3, "m/s", "D", "largest integral part to the right", 0.0, 2.0)
+    integral_z: float = quantity(0.5, "m/s", "D", "largest integral part down", 0.0, 2.0)
+    integral_psi: float = quantity(0.5, "rad/s", "D", "largest integral part of the heading", 0.0, 3.0)
+    response_x: float = quantity(1.8, "rad/s", "D", "expected response forward", 0.1, 100.0)
+    response_y: float = quantity(1.8, "rad/s", "D", "expected response to the right", 0.1, 100.0)
+    response_z: float = quantity(3.0, "rad/s", "D", "expected response down", 0.1, 100.0)
+    response_psi: float = quantity(3.0, "rad/s", "D", "expected response of the heading", 0.1, 100.0)
+    limit_x: float = quantity(0.8, "m/s", "D", "largest velocity reference forward", 0.0, 3.0)
+    limit_y: float = quantity(0.8, "m/s", "D", "largest velocity reference to the right", 0.0, 3.0)
+    limit_z: float = quantity(0.5, "m/s", "D", "largest velocity reference down", 0.0, 3.0)
+    limit_psi: float = quantity(1.0, "rad/s", "D", "largest yaw-rate reference", 0.0, 3.0)
+
+
+class ProportionalIntegral:
+    """One axis.
+
+    Args:
+        gain: K_p [1/s].
+        time: T_i [s].
+        integral_limit: of the integral part [unit of the output].
+        limit: of the output [unit of the output].
+    """
+
+    def __init__(self, gain: float, time: float, integral_limit: float, limit: float) -> None:
+        self._gain = gain
+        self._step = gain * CONTROL_PERIOD / time
+        self._integral_limit = integral_limit
+        self._limit = limit
+        self.integral = 0.0
+
+    def step(self, error: float, unexpected: float, feed_forward: float = 0.0) -> float:
+        """Output of this sample; the integral part is advanced afterwards.
+
+        Args:
+            error: reference minus measurement [m or rad].
+            unexpected: expected response minus measurement, for the integral part [m or rad].
+            feed_forward: added to the output before it is limited [m/s or rad/s].
+        """
+        asked = self._gain * error + self.integral + feed_forward
+        output = min(max(asked, -self._limit), self._limit)
+        if (asked - output) * unexpected <= 0.0:
+            integral = self.integral + self._step * unexpected
+            self.integral = min(max(integral, -self._integral_limit), self._integral_limit)
+        return output
+
+    def reset(self) -> None:
+        """Forget the integral."""
+        self.integral = 0.0
+
+
+class PositionLaw:
+    """Four axes in heading coordinates.
+
+    Args:
+        parameters: gains, times and limits.
+    """
+
+    def __init__(self, parameters: PositionParameters) -> None:
+        p = parameters
+        self.axes = (
+            ProportionalIntegral(p.gain_x, p.time_x, p.integral_x, p.limit_x),
+            ProportionalIntegral(p.gain_y, p.time_y, p.integral_y, p.limit_y),
+            ProportionalIntegral(p.gain_z, p.time_z, p.integral_z, p.limit_z),
+            ProportionalIntegral(p.gain_psi, p.time_psi, p.integral_psi, p.limit_psi),
+        )
+        frequencies = (p.response_x, p.response_y, p.response_z, p.response_psi)
+        self._models = tuple(ReferenceModel(frequency) for frequency in frequencies)
+        self._engaged = False
+
+    def step(
+        self,
+        state: VehicleState,
+        position: Vector3,
+        heading: float,
+        feed_forward: VelocityReference = NO_VELOCITY,
+    ) -> VelocityReference:
+        """Velocity reference of this sample.
+
+        The heading error is not wrapped: between the yaw stops at +-170 deg the way round the back is closed.
+
+        Args:
+            state: of the helicopter.
+            position: reference in earth NED [m].
+            heading: reference yaw [rad].
+            feed_forward: added in heading axes.
+        """
+        place = (*state.position, state.attitude.psi)
+        references = (*position, heading)
+        if not self._engaged:
+            self._engaged = True
+            for model, value in zip(self._models, place, strict=True):
+                model.reset(value)
+        for model, reference in zip(self._models, references, strict=True):
+            model.step(reference)
+        north, east = position[0] - place[0], position[1] - place[1]
+        late_north, late_east, down, turn = (
+            model.value - value for model, value in zip(self._models, place, strict=True)
+        )
+        cosine, sine = cos(state.attitude.psi), sin(state.attitude.psi)
+        x, y, z, psi = self.axes
+        return (
+            x.step(cosine * north + sine * east, cosine * late_north + sine * late_east, feed_forward[0]),
+            y.step(cosine * east - sine * north, cosine * late_east - sine * late_north, feed_forward[1]),
+            z.step(down, down, self._models[2].rate + feed_forward[2]),
+            psi.step(heading - state.attitude.psi, turn, feed_forward[3]),
+        )
+
+    def reset(self) -> None:
+        """Forget all integrals; the next step expects nothing but what it sees."""
+        self._engaged = False
+        for axis in self.axes:
+            axis.reset()
+
+
+class PositionController:
+    """Component: odometry, reference and flight state in, velocity reference out.
+
+    While the helicopter is not controlled or its pose is not known, the integrals are reset and zeros go out.
+
+    Args:
+        parameters: gains, times and limits.
+    """
+
+    name = topics.POSITION_CONTROLLER
+    inputs: tuple[str, ...] = ("odometry", "reference", "flight_state")
+    outputs: tuple[str, ...] = ("velocity_reference",)
+
+    def __init__(self, parameters: PositionParameters) -> None:
+        self._law = PositionLaw(parameters)
+        self._join = StampJoin(self.inputs)
+
+    def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
+        """Take in one message; when all inputs of a stamp are there, the velocity reference.
+
+        Raises:
+            ValueError: another topic, a number that is not finite, or no such flight state.
+        """
+        require_finite(topic, values)
+        ready = self._join.add(topic, stamp_ns, values)
+        if ready is None:
+            return []
+        state = state_from_odometry(ready["odometry"])
+        stage, _ = flight_state(ready["flight_state"])
+        if stage.controlled and state.known:
+            position, attitude = pose_from_values(ready["reference"])
+            forward, right, down, yaw_rate = self._law.step(state, position, attitude.psi)
+        else:
+            self._law.reset()
+            forward, right, down, yaw_rate = NO_VELOCITY
+        reference = twist_values((forward, right, down), (0.0, 0.0, yaw_rate))
+        require_finite("velocity_reference", reference)
+        return [Message("velocity_reference", stamp_ns, reference)]

@@ -1,0 +1,1 @@
+"""From flown bags to plant models."""

@@ -1,0 +1,1 @@
+"""What is known of the bench: position, velocity and attitude from the encoders."""

@@ -1,0 +1,1 @@
+"""Frames, messages, topics, time and the node runner that all packages share."""

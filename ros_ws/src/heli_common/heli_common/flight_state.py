@@ -1,0 +1,45 @@
+"""The stages of a flight, as the supervisor tells them to everybody (topic `flight_state`)."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class FlightState(IntEnum):
+    """Code in `position.flight_state`; the words are those of diagnostics, plans and reports."""
+
+    IDLE = 0
+    HOMING = 1
+    RUN_UP = 2
+    FLYING = 3
+    LANDING = 4
+    RUN_DOWN = 5
+    STOPPED = 6
+    FAULT = 7
+
+    @property
+    def word(self) -> str:
+        """Lower-case name for people."""
+        return self.name.lower().replace("_", "-")
+
+    @property
+    def ended(self) -> bool:
+        """Whether the flight is over: the recorder closes its bag and the bench exits."""
+        return self in (FlightState.STOPPED, FlightState.FAULT)
+
+    @property
+    def controlled(self) -> bool:
+        """Whether position and attitude controllers steer the helicopter."""
+        return self in (FlightState.FLYING, FlightState.LANDING)
+
+
+def flight_state_from_code(code: float) -> FlightState:
+    """The state of a code in a message.
+
+    Raises:
+        ValueError: no such code.
+    """
+    try:
+        return FlightState(round(code))
+    except (ValueError, OverflowError):
+        raise ValueError(f"flight state code {code!r} is none of 0 .. {len(FlightState) - 1}") from None

@@ -1,0 +1,255 @@
+"""Fixed-layout CDR: one description serves publishing, subscribing and reading bags (spec 7.1).
+
+A ROS message whose strings and array lengths never change has its numbers at constant places. A `Layout`
+is that message serialized once, with the places of its stamp and of its float64 numbers; on the wire it is
+the standard message, byte for byte what any ROS 2 node sends (little-endian XCDR1, padding zero).
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = NDArray[np.float64]
+
+_ENCAPSULATION = b"\x00\x01\x00\x00"
+_NANOSECONDS = 1_000_000_000
+
+
+class _CdrWriter:
+    """Serialized bytes in the making; alignment counts from behind the encapsulation header."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.number_offsets: list[int] = []
+
+    def align(self, size: int) -> None:
+        self.data += bytes(-len(self.data) % size)
+
+    def uint32(self, value: int) -> None:
+        self.align(4)
+        self.data += struct.pack("<I", value)
+
+    def string(self, text: str) -> None:
+        encoded = text.encode() + b"\0"
+        self.uint32(len(encoded))
+        self.data += encoded
+
+    def numbers(self, count: int) -> None:
+        self.align(8)
+        start = len(self.data) + len(_ENCAPSULATION)
+        self.number_offsets += range(start, start + 8 * count, 8)
+        self.data += bytes(8 * count)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the stamp and the numbers of one kind of message stand.
+
+    Attributes:
+        ros_type: e.g. `sensor_msgs/msg/JointState`.
+        fields: a name per number, in the order of `values` everywhere in this project.
+        template: the serialized message with stamp and numbers zero.
+        stamp_offset: byte offset of `int32 sec, uint32 nanosec`.
+        offsets: byte offset of every number.
+    """
+
+    ros_type: str
+    fields: tuple[str, ...]
+    template: bytes
+    stamp_offset: int
+    offsets: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.fields) != len(self.offsets):
+            raise ValueError(f"{self.ros_type}: {len(self.fields)} names for {len(self.offsets)} numbers")
+        if len(self.template) % 4:
+            # the middleware pads a payload to four bytes, a serializer does not: the sizes would differ
+            raise ValueError(f"{self.ros_type}: {len(self.template)} bytes are no multiple of four")
+        runs: list[tuple[int, int, int]] = []
+        for index, offset in enumerate(self.offsets):
+            if runs and offset == runs[-1][0] + 8 * runs[-1][2]:
+                runs[-1] = (runs[-1][0], runs[-1][1], runs[-1][2] + 1)
+            else:
+                runs.append((offset, index, 1))
+        plan = tuple((offset, struct.Struct(f"<{n}d"), first, first + n) for offset, first, n in runs)
+        object.__setattr__(self, "_runs", plan)
+        stamp = struct.Struct("<iI")
+        object.__setattr__(self, "_stamp", stamp)
+
+    @property
+    def size(self) -> int:
+        """Bytes of a serialized message, encapsulation header included."""
+        return len(self.template)
+
+    def pack(self, stamp_ns: int, values: Sequence[float] | Values) -> bytes:
+        """The serialized message.
+
+        Args:
+            stamp_ns: simulated time [ns].
+            values: one number per field.
+
+        Raises:
+            ValueError: the number of values does not fit the layout.
+        """
+        numbers = values.tolist() if isinstance(values, np.ndarray) else values
+        if len(numbers) != len(self.fields):
+            raise ValueError(f"{self.ros_type}: {len(numbers)} values for {len(self.fields)} fields")
+        buffer = bytearray(self.template)
+        seconds, nanoseconds = divmod(stamp_ns, _NANOSECONDS)
+        self._stamp.pack_into(buffer, self.stamp_offset, seconds, nanoseconds)  # type: ignore[attr-defined]
+        for offset, packer, first, last in self._runs:  # type: ignore[attr-defined]
+            packer.pack_into(buffer, offset, *numbers[first:last])
+        return bytes(buffer)
+
+    def unpack(self, data: bytes) -> tuple[int, tuple[float, ...]]:
+        """Stamp [ns] and numbers of a serialized message of exactly this layout.
+
+        Raises:
+            ValueError: another size, so other names, frames or array lengths than agreed.
+        """
+        if len(data) != len(self.template):
+            raise ValueError(f"{self.ros_type}: {len(data)} bytes instead of {len(self.template)}")
+        seconds, nanoseconds = self._stamp.unpack_from(data, self.stamp_offset)  # type: ignore[attr-defined]
+        values: tuple[float, ...] = ()
+        for offset, packer, _, _ in self._runs:  # type: ignore[attr-defined]
+            values += packer.unpack_from(data, offset)
+        return seconds * _NANOSECONDS + nanoseconds, values
+
+    def stamp(self, data: bytes) -> int:
+        """The stamp alone [ns] of a serialized message.
+
+        Raises:
+            ValueError: another size than agreed.
+        """
+        if len(data) != len(self.template):
+            raise ValueError(f"{self.ros_type}: {len(data)} bytes instead of {len(self.template)}")
+        seconds, nanoseconds = self._stamp.unpack_from(data, self.stamp_offset)  # type: ignore[attr-defined]
+        return int(seconds * _NANOSECONDS + nanoseconds)
+
+    def canonical(self, data: bytes) -> bytes:
+        """The same message as this codec writes it: constants checked, padding zero.
+
+        Raises:
+            ValueError: a constant part (names, frames, lengths) differs from the agreed one.
+        """
+        again = self.pack(*self.unpack(data))
+        if again != data and self._constants(again) != self._constants(data):
+            raise ValueError(f"{self.ros_type}: names, frames or lengths differ from the agreed layout")
+        return again
+
+    def _constants(self, data: bytes) -> list[bytes]:
+        """The strings and lengths of a message, without padding, stamp and numbers."""
+        return [bytes(data[first:last]) for first, last in _constant_spans(self)]
+
+    @property
+    def dtype(self) -> np.dtype[np.void]:
+        """Structured type over a whole serialized message, for `numpy.frombuffer` on many of them."""
+        names = ["sec", "nanosec", *self.fields]
+        formats = ["<i4", "<u4", *["<f8"] * len(self.fields)]
+        offsets = [self.stamp_offset, self.stamp_offset + 4, *self.offsets]
+        spec = {"names": names, "formats": formats, "offsets": offsets, "itemsize": self.size}
+        return np.dtype(spec)  # type: ignore[call-overload,no-any-return]
+
+    def read(self, messages: Sequence[bytes]) -> tuple[NDArray[np.int64], Values]:
+        """Many messages at once.
+
+        Returns:
+            stamps [ns], shape (n,), and numbers, shape (n, len(fields)).
+        """
+        for data in messages:
+            if len(data) != self.size:
+                raise ValueError(f"{self.ros_type}: {len(data)} bytes instead of {self.size}")
+        table = np.frombuffer(b"".join(messages), dtype=self.dtype)
+        stamps = table["sec"].astype(np.int64) * _NANOSECONDS + table["nanosec"]
+        values = np.empty((len(messages), len(self.fields)))
+        for column, name in enumerate(self.fields):
+            values[:, column] = table[name]
+        return stamps, values
+
+
+def _constant_spans(layout: Layout) -> list[tuple[int, int]]:
+    """Byte spans of a template that hold neither stamp nor numbers nor padding: its nonzero bytes."""
+    nonzero = [index for index, byte in enumerate(layout.template) if byte and index >= len(_ENCAPSULATION)]
+    return [(index, index + 1) for index in nonzero]
+
+
+def _finish(ros_type: str, writer: _CdrWriter, fields: Sequence[str], stamp_offset: int = 4) -> Layout:
+    template = _ENCAPSULATION + bytes(writer.data)
+    return Layout(ros_type, tuple(fields), template, stamp_offset, tuple(writer.number_offsets))
+
+
+def _header(writer: _CdrWriter, frame_id: str) -> None:
+    writer.data += bytes(8)  # stamp: int32 sec, uint32 nanosec
+    writer.string(frame_id)
+
+
+def _indexed(name: str, count: int) -> list[str]:
+    return [f"{name}[{index}]" for index in range(count)]
+
+
+def _xyz(name: str) -> list[str]:
+    return [f"{name}.{axis}" for axis in "xyz"]
+
+
+def _xyzw(name: str) -> list[str]:
+    return [f"{name}.{axis}" for axis in "xyzw"]
+
+
+def clock() -> Layout:
+    """rosgraph_msgs/Clock: a bare stamp."""
+    writer = _CdrWriter()
+    writer.data += bytes(8)
+    return _finish("rosgraph_msgs/msg/Clock", writer, [])
+
+
+def header(frame_id: str) -> Layout:
+    """std_msgs/Header: a stamp, for acknowledgements."""
+    writer = _CdrWriter()
+    _header(writer, frame_id)
+    return _finish("std_msgs/msg/Header", writer, [])
+
+
+def joint_state(frame_id: str, names: Sequence[str]) -> Layout:
+    """sensor_msgs/JointState with position, velocity and effort of every joint, in that order."""
+    writer = _CdrWriter()
+    _header(writer, frame_id)
+    writer.uint32(len(names))
+    for name in names:
+        writer.string(name)
+    for _ in range(3):
+        writer.uint32(len(names))
+        writer.numbers(len(names))
+    fields = [f"{quantity}.{name}" for quantity in ("position", "velocity", "effort") for name in names]
+    return _finish("sensor_msgs/msg/JointState", writer, fields)
+
+
+def pose_stamped(frame_id: str) -> Layout:
+    """geometry_msgs/PoseStamped."""
+    writer = _CdrWriter()
+    _header(writer, frame_id)
+    writer.numbers(7)
+    return _finish("geometry_msgs/msg/PoseStamped", writer, _xyz("position") + _xyzw("orientation"))
+
+
+def twist_stamped(frame_id: str) -> Layout:
+    """geometry_msgs/TwistStamped."""
+    writer = _CdrWriter()
+    _header(writer, frame_id)
+    writer.numbers(6)
+    return _finish("geometry_msgs/msg/TwistStamped", writer, _xyz("linear") + _xyz("angular"))
+
+
+def odometry(frame_id: str, child_frame_id: str) -> Layout:
+    """nav_msgs/Odometry: pose in `frame_id`, twist in `child_frame_id`, both with covariance."""
+    writer = _CdrWriter()
+    _header(writer, frame_id)
+    writer.string(child_frame_id)
+    writer.numbers(85)
+    pose = _xyz("position") + _xyzw("orientation") + _indexed("pose_covariance", 36)
+    twist = _xyz("linear") + _xyz("angular") + _indexed("twist_covariance", 36)
+    return _finish("nav_msgs/msg/Odometry", writer, pose + twist)

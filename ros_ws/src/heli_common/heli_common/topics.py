@@ -1,0 +1,102 @@
+"""Every topic of the graph in one table: name, layout, rate, who speaks and who listens (spec 6.4).
+
+Names are relative, so a namespace moves the whole bench. Data topics make up a flight's hash; the others
+(clock, acknowledgements, diagnostics) depend on the way of running.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heli_common import layout
+from heli_common.layout import Layout
+from heli_common.rig_geometry import ENCODER_NAMES
+from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
+from heli_common.vehicle_state import BODY_FRAME, HEADING_FRAME, WORLD_FRAME
+
+BENCH_SIM = "bench_sim"
+NAVIGATION = "navigation"
+MOTOR_CONTROLLER = "motor_controller"
+POSITION_CONTROLLER = "position_controller"
+ATTITUDE_CONTROLLER = "attitude_controller"
+SUPERVISOR = "supervisor"
+RECORDER = "recorder"
+
+SERVO_CHANNELS = ("B_1s", "A_1s", "theta_0", "theta_t")
+RIG_FRAME = "rig"
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One stream of stamped messages of constant layout.
+
+    Attributes:
+        name: relative topic name.
+        layout: of its messages.
+        period_ns: distance of two stamps.
+        source: node that publishes it; exactly one does.
+        listeners: nodes of this project that subscribe, the recorder aside.
+        hashed: whether it is a data topic, recorded and part of a flight's hash.
+    """
+
+    name: str
+    layout: Layout
+    period_ns: int
+    source: str
+    listeners: tuple[str, ...] = ()
+    hashed: bool = True
+
+
+def _joints(*names: str) -> Layout:
+    return layout.joint_state(RIG_FRAME, names)
+
+
+_TABLE = (
+    Topic("encoders", _joints(*ENCODER_NAMES), SENSOR_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
+    Topic("rotor", _joints("rotor"), CONTROL_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
+    Topic("actuator_state", _joints(*SERVO_CHANNELS, "motor"), CONTROL_PERIOD_NS, BENCH_SIM),
+    Topic("ground_truth", layout.odometry(WORLD_FRAME, BODY_FRAME), CONTROL_PERIOD_NS, BENCH_SIM),
+    Topic("clock", layout.clock(), CONTROL_PERIOD_NS, BENCH_SIM, hashed=False),
+    Topic(
+        "odometry",
+        layout.odometry(WORLD_FRAME, BODY_FRAME),
+        CONTROL_PERIOD_NS,
+        NAVIGATION,
+        (SUPERVISOR, POSITION_CONTROLLER, ATTITUDE_CONTROLLER),
+    ),
+    Topic("rotor_state", _joints("rotor"), CONTROL_PERIOD_NS, NAVIGATION, (SUPERVISOR, MOTOR_CONTROLLER)),
+    Topic(
+        "flight_state",
+        _joints("flight_state", "rotor"),
+        CONTROL_PERIOD_NS,
+        SUPERVISOR,
+        (BENCH_SIM, MOTOR_CONTROLLER, POSITION_CONTROLLER, ATTITUDE_CONTROLLER),
+    ),
+    Topic(
+        "reference", layout.pose_stamped(WORLD_FRAME), CONTROL_PERIOD_NS, SUPERVISOR, (POSITION_CONTROLLER,)
+    ),
+    Topic(
+        "velocity_reference",
+        layout.twist_stamped(HEADING_FRAME),
+        CONTROL_PERIOD_NS,
+        POSITION_CONTROLLER,
+        (ATTITUDE_CONTROLLER,),
+    ),
+    Topic("servo_command", _joints(*SERVO_CHANNELS), CONTROL_PERIOD_NS, ATTITUDE_CONTROLLER, (BENCH_SIM,)),
+    Topic("motor_command", _joints("motor"), CONTROL_PERIOD_NS, MOTOR_CONTROLLER, (BENCH_SIM,)),
+    Topic("recorder_ack", layout.header(RIG_FRAME), CONTROL_PERIOD_NS, RECORDER, (BENCH_SIM,), hashed=False),
+)
+
+TOPICS: dict[str, Topic] = {topic.name: topic for topic in _TABLE}
+DATA_TOPICS: tuple[str, ...] = tuple(topic.name for topic in _TABLE if topic.hashed)
+
+
+def listeners(topic: str, running: tuple[str, ...]) -> tuple[str, ...]:
+    """The nodes among those running that subscribe to a topic, the recorder included.
+
+    Raises:
+        KeyError: no such topic.
+    """
+    entry = TOPICS[topic]
+    consumers = entry.listeners + ((RECORDER,) if entry.hashed else ())
+    return tuple(name for name in consumers if name in running)

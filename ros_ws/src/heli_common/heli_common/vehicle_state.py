@@ -1,0 +1,134 @@
+"""The vehicle's state, and the only place where NED/FRD becomes ENU/FLU and back (REP 103, REP 147).
+
+Earth is north-east-down, body is forward-right-down in all maths; messages carry earth east-north-up and
+body forward-left-up. Origin of both is the centre of the flight space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import sqrt
+from typing import NamedTuple
+
+from heli_common.rotations import (
+    Euler,
+    Quaternion,
+    Vector3,
+    canonical,
+    euler_from_quaternion,
+    multiply,
+    quaternion_from_euler,
+)
+
+WORLD_FRAME = "world"
+BODY_FRAME = "base_link"
+HEADING_FRAME = "heading"
+
+_HALF = sqrt(0.5)
+_NED_TO_ENU = Quaternion(_HALF, _HALF, 0.0, 0.0)
+"""Half a turn about the axis between north and east; it is its own inverse (up to sign)."""
+_FLU_TO_FRD = Quaternion(1.0, 0.0, 0.0, 0.0)
+"""Half a turn about the nose axis."""
+
+UNKNOWN_VARIANCE = 1e6
+"""Variance of a pose that nobody knows yet, because the encoders are not indexed."""
+
+
+class VehicleState(NamedTuple):
+    """What controllers know of the helicopter.
+
+    Attributes:
+        position: of the centre of gravity in earth NED [m].
+        attitude: yaw, pitch, roll [rad].
+        velocity: against the earth, in body FRD [m/s].
+        rates: p, q, r of the body against the earth, in body FRD [rad/s].
+        known: whether the pose is absolute (all encoders indexed).
+    """
+
+    position: Vector3
+    attitude: Euler
+    velocity: Vector3
+    rates: Vector3
+    known: bool = True
+
+
+def swap_earth(vector: Vector3) -> Vector3:
+    """NED to ENU or ENU to NED."""
+    return (vector[1], vector[0], -vector[2])
+
+
+def swap_body(vector: Vector3) -> Vector3:
+    """FRD to FLU or FLU to FRD."""
+    return (vector[0], -vector[1], -vector[2])
+
+
+def quaternion_enu(attitude: Euler) -> Quaternion:
+    """Attitude as ROS has it: FLU body to ENU earth, scalar part not negative."""
+    return canonical(multiply(_NED_TO_ENU, multiply(quaternion_from_euler(attitude), _FLU_TO_FRD)))
+
+
+def attitude_ned(quaternion: Quaternion) -> Euler:
+    """Yaw, pitch, roll of the helicopter from the attitude in a message; q and -q are the same.
+
+    Raises:
+        ValueError: the quaternion is zero or not finite.
+    """
+    return euler_from_quaternion(multiply(_NED_TO_ENU, multiply(quaternion, _FLU_TO_FRD)))
+
+
+def pose_values(position: Vector3, attitude: Euler) -> tuple[float, ...]:
+    """Numbers of a PoseStamped (layout `pose_stamped`) in ENU/FLU from a pose in NED/FRD."""
+    return (*swap_earth(position), *quaternion_enu(attitude))
+
+
+def pose_from_values(values: Sequence[float]) -> tuple[Vector3, Euler]:
+    """Position [m] NED and attitude [rad] from the numbers of a PoseStamped in ENU/FLU."""
+    position = swap_earth((values[0], values[1], values[2]))
+    return position, attitude_ned(Quaternion(values[3], values[4], values[5], values[6]))
+
+
+def odometry_values(
+    state: VehicleState, pose_variance: Sequence[float], twist_variance: Sequence[float]
+) -> tuple[float, ...]:
+    """Numbers of an Odometry (layout `odometry`) in ENU/FLU.
+
+    Args:
+        state: in NED/FRD.
+        pose_variance: of x, y, z in ENU [m2] and of rotations about the ENU axes [rad2].
+        twist_variance: of the velocities [m2/s2] and rates [rad2/s2] in body FLU.
+    """
+    pose = pose_values(state.position, state.attitude)
+    twist = (*swap_body(state.velocity), *swap_body(state.rates))
+    return (*pose, *_diagonal(pose_variance), *twist, *_diagonal(twist_variance))
+
+
+def state_from_odometry(values: Sequence[float]) -> VehicleState:
+    """The state in NED/FRD from the numbers of an Odometry in ENU/FLU.
+
+    Raises:
+        ValueError: the quaternion is zero or not finite.
+    """
+    position, attitude = pose_from_values(values)
+    velocity = swap_body((values[43], values[44], values[45]))
+    rates = swap_body((values[46], values[47], values[48]))
+    return VehicleState(position, attitude, velocity, rates, values[7] < 0.5 * UNKNOWN_VARIANCE)
+
+
+def twist_values(linear: Vector3, angular: Vector3) -> tuple[float, ...]:
+    """Numbers of a TwistStamped in FLU axes from vectors in FRD axes."""
+    return (*swap_body(linear), *swap_body(angular))
+
+
+def twist_from_values(values: Sequence[float]) -> tuple[Vector3, Vector3]:
+    """Linear and angular velocity in FRD axes from the numbers of a TwistStamped in FLU axes."""
+    return (
+        swap_body((values[0], values[1], values[2])),
+        swap_body((values[3], values[4], values[5])),
+    )
+
+
+def _diagonal(variances: Sequence[float]) -> tuple[float, ...]:
+    covariance = [0.0] * 36
+    for axis, variance in enumerate(variances):
+        covariance[7 * axis] = variance
+    return tuple(covariance)

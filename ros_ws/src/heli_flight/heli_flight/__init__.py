@@ -1,0 +1,1 @@
+"""Plans, supervisor, recorder, in-process flight, report and the heli command."""

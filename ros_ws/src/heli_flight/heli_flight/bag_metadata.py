@@ -1,0 +1,144 @@
+"""What a rosbag2 folder says about itself: metadata.yaml, version 9 (spec 6.3).
+
+`custom_data` is rosbag2's own place for remarks, text to text. The keys of a flight:
+
+| key | text |
+|---|---|
+| plan | the plan file as flown (YAML) |
+| seed, mode | of the random numbers; way of running |
+| controller, controller_file | name; the controller file as flown (YAML) |
+| parameters, versions | JSON objects |
+| counts, losses | JSON objects, written by `BagWriter` itself |
+| late_TOPIC | how many commands of a topic came too late |
+| result | why the flight ended, if not by its plan |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+METADATA_FILE = "metadata.yaml"
+METADATA_VERSION = 9
+ROS_DISTRO = "jazzy"
+NO_START = 2**63 - 1
+"""What rosbag2 writes as the starting time of an empty bag."""
+
+_FOREVER = {"sec": 9223372036, "nsec": 854775807}
+
+
+def qos_profile(depth: int, transient_local: bool) -> dict[str, Any]:
+    """A reliable publisher's quality of service in the words of metadata version 9."""
+    return {
+        "history": "keep_last",
+        "depth": depth,
+        "reliability": "reliable",
+        "durability": "transient_local" if transient_local else "volatile",
+        "deadline": dict(_FOREVER),
+        "lifespan": dict(_FOREVER),
+        "liveliness": "automatic",
+        "liveliness_lease_duration": dict(_FOREVER),
+        "avoid_ros_namespace_conventions": False,
+    }
+
+
+@dataclass
+class RecordedTopic:
+    """A topic in the making of a bag.
+
+    Attributes:
+        name: absolute name in the bag.
+        ros_type: e.g. `sensor_msgs/msg/JointState`.
+        type_hash: RIHS01 hash of the type.
+        qos: profile, see `qos_profile`.
+        period_ns: distance of two stamps, 0 if irregular.
+        channel: number in the MCAP file.
+        count: messages written.
+        last_ns: newest stamp, -1 before the first message.
+        lost: messages missing between the first and the newest stamp.
+        gaps: places where they are missing.
+    """
+
+    name: str
+    ros_type: str
+    type_hash: str
+    qos: dict[str, Any] = field(repr=False)
+    period_ns: int = 0
+    channel: int = 0
+    count: int = 0
+    last_ns: int = -1
+    lost: int = 0
+    gaps: int = 0
+
+
+class _Dumper(yaml.CSafeDumper if yaml.__with_libyaml__ else yaml.SafeDumper):  # type: ignore[misc]
+    """Texts of several lines stay legible."""
+
+    def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002
+        """Every profile is written in full: other readers know no anchors."""
+        return True
+
+
+def _represent_text(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style="|" if "\n" in text else None)
+
+
+_Dumper.add_representer(str, _represent_text)
+
+
+def dump_yaml(document: object) -> str:
+    """YAML text in the order given, block style, texts of several lines as blocks."""
+    return str(yaml.dump(document, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110))
+
+
+def bag_information(
+    storage_file: str,
+    topics: Iterable[RecordedTopic],
+    start_ns: int,
+    end_ns: int,
+    custom_data: Mapping[str, str],
+) -> dict[str, Any]:
+    """The mapping below `rosbag2_bagfile_information`.
+
+    Args:
+        storage_file: name of the MCAP file in the folder.
+        topics: what has been recorded so far.
+        start_ns: first stamp, `NO_START` of an empty bag.
+        end_ns: last stamp.
+        custom_data: text to text.
+    """
+    listed = list(topics)
+    count = sum(topic.count for topic in listed)
+    start = {"nanoseconds_since_epoch": start_ns}
+    duration = {"nanoseconds": max(0, end_ns - start_ns)}
+    return {
+        "version": METADATA_VERSION,
+        "storage_identifier": "mcap",
+        "duration": duration,
+        "starting_time": start,
+        "message_count": count,
+        "topics_with_message_count": [
+            {
+                "topic_metadata": {
+                    "name": topic.name,
+                    "type": topic.ros_type,
+                    "serialization_format": "cdr",
+                    "offered_qos_profiles": [topic.qos],
+                    "type_description_hash": topic.type_hash,
+                },
+                "message_count": topic.count,
+            }
+            for topic in listed
+        ],
+        "compression_format": "",
+        "compression_mode": "",
+        "relative_file_paths": [storage_file],
+        "files": [
+            {"path": storage_file, "starting_time": start, "duration": duration, "message_count": count}
+        ],
+        "custom_data": dict(custom_data),
+        "ros_distro": ROS_DISTRO,
+    }

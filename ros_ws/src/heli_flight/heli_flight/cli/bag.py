@@ -1,0 +1,129 @@
+"""`heli bag`: what is in a bag, and where two flights differ."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from heli_common.errors import EXIT_FLOWN, InputError
+from heli_flight.bag_reader import Bag, read_bag
+from heli_flight.flight_hash import bag_hash, count_check, first_difference
+
+EXIT_DIFFERENT = 1
+SHOWN_LINES = 40
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Describe the sub-command to the `heli` command."""
+    parser = subparsers.add_parser("bag", help="look into bags", description="Look into recorded flights.")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    info = commands.add_parser(
+        "info",
+        help="topics, counts, losses, hash and remarks of a bag",
+        description="Topics, counts, losses, hash and remarks of a bag; also of one that was cut off.",
+    )
+    info.add_argument("bag", type=Path, metavar="BAG", help="folder of the bag")
+    info.add_argument("--json", action="store_true", help="print JSON")
+    info.set_defaults(func=run_info)
+    compare = commands.add_parser(
+        "compare",
+        help="whether two bags hold the same flight, and where they differ first",
+        description="Compare two flights byte by byte; exit code 1 if they differ.",
+    )
+    compare.add_argument("first", type=Path, metavar="BAG", help="folder of a bag")
+    compare.add_argument("second", type=Path, metavar="OTHER", help="folder of another bag")
+    compare.set_defaults(func=run_compare)
+
+
+def run_info(arguments: argparse.Namespace) -> int:
+    """Say what is in a bag.
+
+    Raises:
+        InputError: no readable bag.
+    """
+    bag = read_bag(arguments.bag)
+    about = bag_information(bag)
+    if arguments.json:
+        sys.stdout.write(json.dumps(about, indent=2) + "\n")
+    else:
+        _print(about, Console(highlight=False))
+    return EXIT_FLOWN
+
+
+def run_compare(arguments: argparse.Namespace) -> int:
+    """Say whether two flights are the same.
+
+    Raises:
+        InputError: no readable bag, or messages of another layout.
+    """
+    difference = first_difference(read_bag(arguments.first), read_bag(arguments.second))
+    sys.stdout.write("the same flight\n" if difference is None else f"different: {difference}\n")
+    return EXIT_FLOWN if difference is None else EXIT_DIFFERENT
+
+
+def bag_information(bag: Bag) -> dict[str, Any]:
+    """What `heli bag info` says, ready for JSON; the hash is None for a bag of other layouts."""
+    stamps = [stamp for each in bag.stamps.values() for stamp in each]
+    try:
+        digest, problems = bag_hash(bag), list(bag.problems)
+    except InputError as error:
+        digest, problems = None, [*bag.problems, f"no hash: {error.key}: {error.problem}"]
+    return {
+        "bag": str(bag.folder),
+        "complete": bag.complete,
+        "problems": problems,
+        "start_s": min(stamps, default=0) * 1e-9,
+        "duration_s": (max(stamps, default=0) - min(stamps, default=0)) * 1e-9,
+        "messages": len(stamps),
+        "sha256": digest,
+        "topics": [asdict(count) for count in count_check(bag)],
+        "custom_data": bag.custom_data,
+    }
+
+
+def _print(about: dict[str, Any], console: Console) -> None:
+    state = "complete" if about["complete"] else "incomplete"
+    console.print(
+        f"{about['bag']}: {state}, {about['duration_s']:.2f} s from {about['start_s']:.2f} s, "
+        f"{about['messages']:,} messages",
+        soft_wrap=True,
+        markup=False,
+    )
+    for problem in about["problems"]:
+        console.print(f"  {problem}", style="yellow", markup=False)
+    console.print(f"sha256 {about['sha256'] or '-'}\n", soft_wrap=True, markup=False)
+    console.print(_topic_table(about["topics"]))
+    if about["custom_data"]:
+        console.print()
+        console.print(_remark_table(about["custom_data"]))
+
+
+def _topic_table(topics: list[dict[str, Any]]) -> Table:
+    table = Table("topic", "type", box=None, pad_edge=False)
+    for title in ("messages", "expected", "lost", "gaps"):
+        table.add_column(title, justify="right")
+    for topic in topics:
+        expected = "-" if topic["expected"] is None else str(topic["expected"])
+        style = "yellow" if topic["lost"] else None
+        cells = (topic["messages"], expected, topic["lost"], topic["gaps"])
+        table.add_row(escape(topic["topic"]), topic["ros_type"], *map(str, cells), style=style)
+    return table
+
+
+def _remark_table(custom_data: dict[str, str]) -> Table:
+    table = Table(box=None, pad_edge=False)
+    table.add_column("key", no_wrap=True)
+    table.add_column("value", overflow="fold")
+    for key, text in custom_data.items():
+        lines = text.count("\n")
+        shown = text.rstrip() if lines <= SHOWN_LINES else f"{lines} lines (see --json)"
+        table.add_row(escape(key), escape(shown))
+    return table

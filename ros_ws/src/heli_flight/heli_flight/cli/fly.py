@@ -1,0 +1,152 @@
+"""`heli fly`: a plan from start to bag and report, on the graph or in this process."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import sys
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, InputError
+from heli_control.controller_file import load_controller
+from heli_flight.cli.live import LiveProgress
+from heli_flight.flight_hash import bag_hash, count_check
+from heli_flight.flight_record import FlightRecord
+from heli_flight.fly_graph import fly_graph
+from heli_flight.fly_in_process import fly_in_process
+from heli_flight.metrics import flight_metrics
+from heli_flight.order import FlightEnd, FlightOrder, Mode
+from heli_flight.parameter_file import read_parameters
+from heli_flight.plan import load_plan
+from heli_flight.report import write_report
+
+WORDS = {
+    EXIT_FLOWN: "flown",
+    EXIT_BAD_INPUT: "refused",
+    EXIT_SAFETY_STOP: "safety stop",
+    EXIT_INTERRUPTED: "interrupted",
+}
+
+
+def add_parser(words: Any) -> None:
+    """Add `fly` to the command."""
+    fly = words.add_parser(
+        "fly", help="fly a plan", description="Fly a plan; leaves a bag and a report and prints their paths."
+    )
+    fly.add_argument("plan", nargs="?", default="hover_steps", help="shipped plan or path of a plan file")
+    fly.add_argument(
+        "--mode",
+        choices=[mode.value for mode in Mode],
+        default=Mode.REALTIME.value,
+        help="realtime: paced by the clock (default); lockstep: as fast as the graph goes; "
+        "inprocess: without ROS",
+    )
+    fly.add_argument("--seed", type=int, help="seed of every random number (default: the plan's)")
+    fly.add_argument("--controller", help="shipped controller or controller file (default: the plan's)")
+    fly.add_argument(
+        "--params-file", type=Path, help="ROS 2 parameter file for the nodes (heli parameters prints one)"
+    )
+    fly.add_argument("--out", type=Path, default=Path("flights"), help="folder for bags (default: flights)")
+    fly.add_argument("--name", help="name of the bag's folder (default: plan, mode and time of day)")
+    fly.add_argument("--no-report", action="store_true", help="leave the bag only")
+    fly.add_argument(
+        "--no-real-time-scheduling", action="store_true", help="do not ask for SCHED_FIFO in real time"
+    )
+    fly.add_argument("--json", action="store_true", help="print one JSON object instead of text")
+    fly.set_defaults(func=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Fly as asked; returns the exit code."""
+    order = _order(options)
+    end = _fly(order, quiet=options.json)
+    result = _result(order, end, report=not options.no_report)
+    if end.reason and end.exit_code != EXIT_FLOWN:
+        sys.stderr.write(f"heli fly: {end.reason}\n")
+    if result is None:
+        return end.exit_code
+    if options.json:
+        sys.stdout.write(json.dumps(result, indent=2) + "\n")
+    else:
+        _print(result)
+    return end.exit_code
+
+
+def _order(options: argparse.Namespace) -> FlightOrder:
+    plan = load_plan(options.plan)
+    seed = plan.seed if options.seed is None else options.seed
+    if not 0 <= seed < 2**31:
+        raise InputError(f"{seed}", allowed="0 .. 2147483647", key="--seed")
+    plan = dataclasses.replace(plan, seed=seed)
+    controller_name = options.controller or plan.controller
+    if options.params_file is not None:
+        read_parameters(options.params_file)
+    name = options.name or f"{plan.name}_{options.mode}_{datetime.now():%Y%m%d_%H%M%S}"
+    bag = (options.out / name).absolute()
+    if bag.exists():
+        raise InputError("exists already", allowed="a new folder", file=bag, key="--name")
+    return FlightOrder(
+        plan=plan,
+        plan_name=_absolute(options.plan),
+        mode=Mode(options.mode),
+        seed=seed,
+        controller=load_controller(controller_name),
+        controller_name=_absolute(controller_name),
+        bag=bag,
+        parameters=options.params_file.absolute() if options.params_file else None,
+        real_time_scheduling=not options.no_real_time_scheduling,
+    )
+
+
+def _absolute(name_or_path: str) -> str:
+    """A path as the nodes need it, wherever they run; a shipped name as it is."""
+    return str(Path(name_or_path).absolute()) if Path(name_or_path).is_file() else name_or_path
+
+
+def _fly(order: FlightOrder, quiet: bool) -> FlightEnd:
+    with LiveProgress(order.plan.duration, quiet) as live:
+        if order.mode is Mode.INPROCESS:
+            return fly_in_process(order, live.show)
+        return fly_graph(order, live.show, live.warn)
+
+
+def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] | None:
+    """Everything about the flight; None if no bag was left."""
+    if not (order.bag / "metadata.yaml").is_file():
+        return None
+    record = FlightRecord.load(order.bag)
+    lost = sum(entry.lost for entry in count_check(record.bag))
+    late = {key: int(value) for key, value in record.custom_data.items() if key.startswith("late_")}
+    page = write_report([order.bag], order.bag / "report").page if report else None
+    return {
+        "ended": WORDS[end.exit_code],
+        "reason": end.reason,
+        "mode": order.mode.value,
+        "seed": order.seed,
+        "controller": order.controller.name,
+        "simulated_s": round(end.simulated_seconds, 3),
+        "wall_s": round(end.wall_seconds, 3),
+        "lost_messages": lost,
+        "late_commands": late,
+        "metrics": flight_metrics(record),
+        "bag": str(order.bag),
+        "report": str(page) if page else None,
+        "sha256": bag_hash(record.bag),
+    }
+
+
+def _print(result: dict[str, Any]) -> None:
+    say = sys.stdout.write
+    speed = result["simulated_s"] / max(result["wall_s"], 1e-9)
+    say(f"{result['ended']}: {result['simulated_s']:.1f} s in {result['wall_s']:.1f} s ({speed:.1f} x)\n")
+    say(f"lost messages {result['lost_messages']}")
+    for key, count in result["late_commands"].items():
+        say(f", {key.replace('late_', 'late ')} {count}")
+    say("\n")
+    say(f"bag {result['bag']}\n")
+    if result["report"]:
+        say(f"report {result['report']}\n")
+    say(f"sha256 {result['sha256']}\n")

@@ -1,0 +1,43 @@
+"""The components of a flight, built from an order as the nodes build them from their parameters."""
+
+from __future__ import annotations
+
+from heli_bench_sim.bench import Bench
+from heli_bench_sim.bench_parameters import BenchParameters
+from heli_bench_sim.simulator import BenchSimulator
+from heli_common import topics
+from heli_common.component import Component
+from heli_common.rig_geometry import RigGeometry
+from heli_control.attitude_control import AttitudeController, AttitudeParameters
+from heli_control.controller_file import ControllerFile
+from heli_control.motor_control import MotorController, MotorParameters
+from heli_control.position_control import PositionController, PositionParameters
+from heli_flight.parameter_file import NodeValues
+from heli_flight.plan import Plan
+from heli_flight.stages import FlightLimits
+from heli_flight.supervisor import Supervisor
+from heli_navigation.navigator import NavigationParameters, Navigator
+
+DEFAULTS = NodeValues()
+
+
+def bench_simulator(seed: int, values: NodeValues = DEFAULTS) -> BenchSimulator:
+    """The simulated bench."""
+    return BenchSimulator(Bench(values.build_groups(topics.BENCH_SIM, BenchParameters), seed))
+
+
+def supervisor(plan: Plan, values: NodeValues = DEFAULTS) -> Supervisor:
+    """A supervisor that flies a plan."""
+    return Supervisor(values.build(topics.SUPERVISOR, FlightLimits), plan)
+
+
+def controllers(controller: ControllerFile, values: NodeValues = DEFAULTS) -> list[Component]:
+    """Navigation and the three controllers."""
+    geometry = values.build(topics.NAVIGATION, RigGeometry, "rig.")
+    attitude = values.build(topics.ATTITUDE_CONTROLLER, AttitudeParameters)
+    return [
+        Navigator(values.build(topics.NAVIGATION, NavigationParameters), geometry),
+        PositionController(values.build(topics.POSITION_CONTROLLER, PositionParameters)),
+        AttitudeController(controller, attitude),
+        MotorController(values.build(topics.MOTOR_CONTROLLER, MotorParameters)),
+    ]

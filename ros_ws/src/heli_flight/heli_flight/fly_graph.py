@@ -1,0 +1,121 @@
+"""A flight on the ROS 2 graph: every node a process of its own, one parent that watches and ends them."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+from heli_common import topics
+from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP
+from heli_common.flight_state import FlightState
+from heli_flight.order import FlightEnd, FlightOrder, Mode
+from heli_flight.process_group import Line, ProcessGroup
+from heli_flight.process_table import NODE_NAMES, PROCESSES, Process
+from heli_flight.progress import Progress, parse
+from heli_flight.warm_up import is_warm, warm_up
+
+READ_SECONDS = 0.1
+
+
+def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callable[[str], None]) -> FlightEnd:
+    """Fly an order on the graph to its end; its bag is left by the recorder.
+
+    Args:
+        order: what to fly.
+        tell: called with every line of progress.
+        warn: called with what a person should know: warnings of the nodes, or that kernels are compiled.
+    """
+    if not is_warm():
+        warn("compiling kernels, once after each change of the sources")
+        warm_up()
+    started = perf_counter()
+    with tempfile.TemporaryDirectory(prefix="heli_") as folder:
+        notes = Path(folder) / "notes.json"
+        notes.write_text(json.dumps(order.notes()))
+        commands = {process.name: command(process, order, notes) for process in PROCESSES}
+        with ProcessGroup(commands, environment()) as group:
+            watch = _Watch(group, tell, warn)
+            try:
+                watch.until_over()
+            except KeyboardInterrupt:
+                watch.code, watch.reason = EXIT_INTERRUPTED, "interrupted"
+            watch.take(group.stop())
+    return FlightEnd(watch.code, watch.reason, watch.progress.time, perf_counter() - started)
+
+
+def environment() -> dict[str, str]:
+    """Environment of the nodes: discovery stays on this machine unless the user says otherwise."""
+    defaults = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "OPENBLAS_NUM_THREADS": "1"}
+    return defaults | dict(os.environ)
+
+
+def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:
+    """Command line of a node for a flight."""
+    settings: dict[str, dict[str, str | int]] = {
+        topics.BENCH_SIM: {"mode": order.mode.value, "seed": order.seed},
+        topics.SUPERVISOR: {"plan": order.plan_name},
+        topics.ATTITUDE_CONTROLLER: {"controller": order.controller_name},
+        topics.RECORDER: {"bag": str(order.bag), "notes": str(notes)},
+    }
+    scheduled = order.mode is Mode.REALTIME and order.real_time_scheduling
+    priority = process.priority if scheduled else 0
+    common: dict[str, str | int] = {"running": ",".join(NODE_NAMES), "real_time_priority": priority}
+    words = [sys.executable, "-m", process.module, "--ros-args"]
+    if order.parameters is not None:
+        words += ["--params-file", str(order.parameters)]
+    for key, value in (common | settings.get(process.name, {})).items():
+        words += ["-p", f"{key}:={json.dumps(value)}"]
+    return words
+
+
+class _Watch:
+    """Reads what the nodes say and decides when the flight is over and how it ended."""
+
+    def __init__(
+        self, group: ProcessGroup, tell: Callable[[Progress], None], warn: Callable[[str], None]
+    ) -> None:
+        self._group, self._tell, self._warn = group, tell, warn
+        self._last_error: dict[str, str] = {}
+        self.progress = Progress(0.0, FlightState.IDLE, 0, 0)
+        self.code, self.reason = EXIT_FLOWN, ""
+
+    def until_over(self) -> None:
+        """Until bench and recorder have ended by themselves, or any node has failed."""
+        while True:
+            self.take(self._group.read(READ_SECONDS))
+            exited = self._group.exited()
+            failed = {name: code for name, code in exited.items() if code != 0}
+            if failed or exited.keys() - {topics.BENCH_SIM, topics.RECORDER}:
+                self.take(self._group.stop())
+                self._fail(failed or exited)
+                return
+            if {topics.BENCH_SIM, topics.RECORDER} <= exited.keys():
+                if self.progress.state is FlightState.FAULT:
+                    self.code, self.reason = EXIT_SAFETY_STOP, self.progress.reason
+                return
+
+    def take(self, lines: list[Line]) -> None:
+        """Sort lines into progress, warnings and the last words of a node."""
+        for line in lines:
+            progress = None if line.is_error else parse(line.text)
+            if progress is not None:
+                self.progress = progress
+                self._tell(progress)
+            elif line.is_error and ": warning: " in line.text:
+                self._warn(line.text)
+            elif line.is_error and line.text.strip():
+                self._last_error[line.process] = line.text.strip()
+
+    def _fail(self, exited: dict[str, int]) -> None:
+        order = [name for name in NODE_NAMES if name in exited]
+        bad_input = [name for name in order if exited[name] == EXIT_BAD_INPUT]
+        name = (bad_input or order)[0]
+        code = exited[name]
+        how = f"killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
+        self.reason = self._last_error.get(name, f"{name}: {how}")
+        self.code = EXIT_BAD_INPUT if bad_input else EXIT_SAFETY_STOP

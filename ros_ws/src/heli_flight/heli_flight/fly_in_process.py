@@ -1,0 +1,61 @@
+"""A flight in this process: no ROS, as fast as the machine allows, the bytes of a lockstep flight."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+
+from heli_common.errors import EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, SafetyStop
+from heli_common.flight_state import FlightState
+from heli_common.timing import SENSOR_PERIOD_NS
+from heli_common.topics import DATA_TOPICS, TOPICS
+from heli_flight.bag import BagWriter
+from heli_flight.components import DEFAULTS, bench_simulator, controllers, supervisor
+from heli_flight.in_process import InProcessGraph
+from heli_flight.order import FlightEnd, FlightOrder
+from heli_flight.parameter_file import read_parameters
+from heli_flight.progress import Progress
+
+PROGRESS_NS = 500_000_000
+
+
+def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> FlightEnd:
+    """Fly an order to its end and leave its bag.
+
+    Args:
+        order: what to fly.
+        tell: called twice a simulated second.
+    """
+    started = perf_counter()
+    values = read_parameters(order.parameters) if order.parameters else DEFAULTS
+    bench = bench_simulator(order.seed, values)
+    leader = supervisor(order.plan, values)
+    bag = BagWriter(order.bag, order.notes())
+    recorded = frozenset(DATA_TOPICS)
+    for topic in DATA_TOPICS:
+        bag.add_topic(topic, TOPICS[topic].layout.ros_type)
+
+    def record(topic: str, stamp_ns: int, data: bytes) -> None:
+        if topic in recorded:
+            bag.write(topic, stamp_ns, data)
+
+    graph = InProcessGraph(bench, [leader, *controllers(order.controller, values)], record)
+    code, reason = EXIT_FLOWN, ""
+    try:
+        while bench.ended_at is None:
+            graph.advance()
+            if bench.stamp_ns % PROGRESS_NS == 0:
+                seconds = bench.stamp_ns * 1e-9
+                tell(Progress(seconds, leader.state, leader.phase, len(order.plan.phases), leader.reason))
+        if leader.state is FlightState.FAULT:
+            code, reason = EXIT_SAFETY_STOP, leader.reason
+    except (SafetyStop, ValueError) as error:
+        bench.switch_off()
+        code, reason = EXIT_SAFETY_STOP, str(error)
+    except KeyboardInterrupt:
+        code, reason = EXIT_INTERRUPTED, "interrupted"
+    finally:
+        late = {f"late_{topic}": str(count) for topic, count in bench.late.items()}
+        bag.close(late | ({"result": reason} if reason else {}))
+    simulated = max(bench.stamp_ns, -SENSOR_PERIOD_NS) * 1e-9
+    return FlightEnd(code, reason, simulated, perf_counter() - started)

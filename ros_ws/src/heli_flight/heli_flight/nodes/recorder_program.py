@@ -1,0 +1,74 @@
+"""The recorder on the graph: raw messages into a bag, acknowledged, closed when the flight has ended."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+
+from heli_common.component import Message
+from heli_common.nodes.connection import Connection
+from heli_common.nodes.qos import DATA
+from heli_common.topics import BENCH_SIM, DATA_TOPICS, RECORDER
+from heli_flight.bag import BagWriter
+from heli_flight.recorder import FlightRecorder
+
+DIAGNOSTICS = "diagnostics"
+CLOSING_SECONDS = 3.0
+TURN_SECONDS = 0.05
+
+
+class RecorderProgram:
+    """Writes every data topic and diagnostics until the flight has ended and is complete."""
+
+    name = RECORDER
+    inputs: tuple[str, ...] = DATA_TOPICS
+    outputs: tuple[str, ...] = ("recorder_ack",)
+
+    def __init__(self, node: Node, bag: BagWriter) -> None:
+        self.finished = False
+        self._bag = bag
+        self._recorder = FlightRecorder(bag)
+        self._closing_since = 0.0
+        self._said: dict[str, str] = {}
+        self._bench_ended = False
+        self._connection: Connection | None = None
+        self._subscription = node.create_subscription(
+            DiagnosticArray, DIAGNOSTICS, self._on_diagnostics, DATA, raw=True
+        )
+
+    def start(self, connection: Connection) -> None:
+        """Keep the connection for acknowledgements."""
+        self._connection = connection
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        """Record a message and acknowledge what is complete."""
+        acknowledged = self._recorder.receive(topic, data)
+        if acknowledged is not None and self._connection is not None:
+            self._connection.publish([Message("recorder_ack", acknowledged, ())])
+
+    def _on_diagnostics(self, data: bytes) -> None:
+        array = deserialize_message(data, DiagnosticArray)
+        stamp_ns = array.header.stamp.sec * 1_000_000_000 + array.header.stamp.nanosec
+        self._bag.write(DIAGNOSTICS, stamp_ns, data)
+        for status in array.status:
+            if status.level == DiagnosticStatus.ERROR:
+                self._said.setdefault("result", f"{status.name}: {status.message}")
+            elif status.name == BENCH_SIM:
+                self._said |= {pair.key: pair.value for pair in status.values}
+                self._bench_ended = status.message == "ended"
+
+    def turn(self) -> float:
+        """After the end: finish when the bag is complete and the bench has told its last figures."""
+        if self._recorder.ended_at is not None:
+            now = monotonic()
+            self._closing_since = self._closing_since or now
+            complete = self._recorder.complete and self._bench_ended
+            self.finished = complete or now - self._closing_since > CLOSING_SECONDS
+        return TURN_SECONDS
+
+    def close(self) -> None:
+        """Store late commands and the reason of a stop, and finish the bag."""
+        self._recorder.close(self._said)

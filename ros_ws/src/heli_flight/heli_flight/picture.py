@@ -1,0 +1,113 @@
+"""Figures as PNG pictures (matplotlib without a screen)."""
+
+from __future__ import annotations
+
+import base64
+import io
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure as Canvas
+
+from heli_flight.figures import COMMAND, ESTIMATE, LIMIT, REFERENCE, TRUTH, Curve, Figure
+
+FLIGHT_COLOURS = ("#3b82f6", "#d97706", "#059669", "#9333ea", "#dc2626", "#0891b2", "#65a30d", "#be185d")
+ESTIMATE_OPACITY = 0.55
+"""The estimate lies as a wide band below the truth: nearly always they are the same."""
+ROLE_COLOURS = {
+    TRUTH: FLIGHT_COLOURS[0],
+    ESTIMATE: "#f59e0b",
+    REFERENCE: "#6b7280",
+    COMMAND: "#059669",
+    LIMIT: "#dc2626",
+}
+_WIDTH = {TRUTH: 0.9, ESTIMATE: 2.4, REFERENCE: 1.1, COMMAND: 1.5}
+_STYLE = {
+    "font.size": 9.0,
+    "axes.edgecolor": "#9ca3af",
+    "axes.labelcolor": "#374151",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e5e7eb",
+    "xtick.color": "#4b5563",
+    "ytick.color": "#4b5563",
+    "path.simplify": True,
+}
+
+
+def colour(curve: Curve) -> str:
+    """Of a curve: by its role, or by its flight where several are compared."""
+    return (
+        FLIGHT_COLOURS[curve.flight % len(FLIGHT_COLOURS)]
+        if curve.role == TRUTH
+        else ROLE_COLOURS[curve.role]
+    )
+
+
+def draw_png(figure: Figure, dpi: int = 110) -> bytes:
+    """The PNG file of a figure."""
+    with mpl.rc_context(_STYLE):
+        rows = len(figure.panels)
+        size = (6.2, 5.6) if figure.plane else (10.0, 0.9 + 1.75 * rows)
+        canvas = Canvas(figsize=size, layout="constrained")
+        FigureCanvasAgg(canvas)
+        axes = canvas.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
+        for axis, panel in zip(axes, figure.panels, strict=True):
+            for band in figure.bands:
+                axis.axvline(band.start, color="#d1d5db", linewidth=0.8, zorder=0)
+            for curve in panel.curves:
+                _draw(axis, curve, figure.plane)
+            for limit in panel.limits:
+                axis.axhline(limit, color=ROLE_COLOURS[LIMIT], linewidth=0.8, linestyle=":")
+            axis.set_ylabel(f"{panel.label} [{panel.unit}]")
+        for band in figure.bands:
+            if band.end - band.start > 0.03 * (figure.bands[-1].end - figure.bands[0].start):
+                axes[0].annotate(
+                    band.label,
+                    (band.start, 1.0),
+                    xycoords=("data", "axes fraction"),
+                    xytext=(3, 2),
+                    textcoords="offset points",
+                    fontsize=7.5,
+                    color="#6b7280",
+                )
+        axes[-1].set_xlabel(figure.x_label)
+        if figure.plane:
+            axes[0].set_aspect("equal", adjustable="datalim")
+            axes[0].plot(0.0, 0.0, "+", color=ROLE_COLOURS[REFERENCE], markersize=12, label="reference")
+        _legend(canvas, axes)
+        canvas.suptitle(figure.title, x=0.01, ha="left", fontsize=12, fontweight="bold", color="#111827")
+        stream = io.BytesIO()
+        canvas.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _draw(axis: Any, curve: Curve, plane: bool) -> None:
+    dashed = curve.role == REFERENCE
+    axis.plot(
+        curve.x,
+        curve.y,
+        label=curve.label,
+        color=colour(curve),
+        alpha=ESTIMATE_OPACITY if curve.role == ESTIMATE else 1.0,
+        linewidth=0.8 if plane else _WIDTH[curve.role],
+        linestyle="--" if dashed else "-",
+        zorder=3 if dashed else 2,
+    )
+
+
+def _legend(canvas: Any, axes: Any) -> None:
+    known: dict[str, Any] = {}
+    for axis in axes:
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
+            known.setdefault(label, handle)
+    canvas.legend(
+        known.values(), known.keys(), loc="outside upper right", ncols=min(len(known), 6), frameon=False
+    )
+
+
+def data_uri(png: bytes) -> str:
+    """A picture as it stands inside an HTML file."""
+    return "data:image/png;base64," + base64.b64encode(png).decode()

@@ -1,0 +1,48 @@
+"""The nodes of a flight in one table: processes, launch file and shell scripts all come from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from heli_common import topics
+
+
+@dataclass(frozen=True)
+class Process:
+    """One node as a process of its own.
+
+    Attributes:
+        name: node name in the table of topics.
+        package: package it belongs to.
+        executable: installed name, for `ros2 run PACKAGE EXECUTABLE`.
+        module: for `python -m`.
+        priority: SCHED_FIFO priority in a real-time flight, 0 for none.
+    """
+
+    name: str
+    package: str
+    priority: int
+
+    @property
+    def executable(self) -> str:
+        """Installed name of the node's command."""
+        return f"{self.name}_node"
+
+    @property
+    def module(self) -> str:
+        """Python module of the node."""
+        return f"{self.package}.nodes.{self.executable}"
+
+
+PROCESSES: tuple[Process, ...] = (
+    Process(topics.BENCH_SIM, "heli_bench_sim", 40),
+    Process(topics.NAVIGATION, "heli_navigation", 36),
+    Process(topics.SUPERVISOR, "heli_flight", 35),
+    Process(topics.POSITION_CONTROLLER, "heli_control", 34),
+    Process(topics.ATTITUDE_CONTROLLER, "heli_control", 33),
+    Process(topics.MOTOR_CONTROLLER, "heli_control", 32),
+    Process(topics.RECORDER, "heli_flight", 10),
+)
+"""Priorities fall along the way from sensor to command; the recorder only drains buffers."""
+
+NODE_NAMES = tuple(process.name for process in PROCESSES)

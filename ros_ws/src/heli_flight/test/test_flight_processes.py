@@ -1,0 +1,111 @@
+"""Groups of processes: read, stopped and never left behind; progress lines; the table of nodes."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from time import monotonic
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from heli_common.flight_state import FlightState
+from heli_common.topics import TOPICS
+from heli_flight.process_group import ProcessGroup
+from heli_flight.process_table import NODE_NAMES
+from heli_flight.progress import Progress, parse
+
+PATIENCE = 20.0
+
+
+def python(code):
+    return [sys.executable, "-c", code]
+
+
+def read_until(group, enough):
+    lines, deadline = [], monotonic() + PATIENCE
+    while not enough(lines):
+        assert monotonic() < deadline, lines
+        lines += group.read(0.1)
+    return lines
+
+
+def test_lines_come_with_their_process_and_stream():
+    commands = {
+        "a": python("print('out'); import sys; print('bad', file=sys.stderr)"),
+        "b": python("import sys; sys.stdout.write('no end of line')"),
+    }
+    with ProcessGroup(commands, os.environ) as group:
+        lines = read_until(group, lambda seen: len(seen) == 3)
+    assert sorted(lines) == [("a", False, "out"), ("a", True, "bad"), ("b", False, "no end of line")]
+
+
+def test_stop_interrupts_then_kills_within_three_seconds():
+    wait = "print('up', flush=True)\nwhile True: time.sleep(9)"
+    polite = f"import signal, time; signal.signal(2, lambda *_: exit(7)); {wait}"
+    deaf = f"import signal, time; signal.signal(2, signal.SIG_IGN); {wait}"
+    with ProcessGroup({"polite": python(polite), "deaf": python(deaf)}, os.environ) as group:
+        read_until(group, lambda seen: len(seen) == 2)
+        pids = group.process_ids()
+        started = monotonic()
+        group.stop()
+        assert monotonic() - started < 3.0
+    for pid in pids.values():
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
+
+
+def test_exit_codes_and_signals_are_told_apart():
+    commands = {"bad": python("exit(2)"), "killed": python("import os; os.kill(os.getpid(), 9)")}
+    with ProcessGroup(commands, os.environ) as group:
+        deadline = monotonic() + PATIENCE
+        while len(group.exited()) < 2:
+            assert monotonic() < deadline
+            group.read(0.05)
+        assert group.exited() == {"bad": 2, "killed": -signal.SIGKILL}
+
+
+def test_children_go_with_a_killed_parent():
+    parent = (
+        "import os, sys\n"
+        "from heli_flight.process_group import ProcessGroup\n"
+        "group = ProcessGroup({'a': [sys.executable, '-c', 'import time; time.sleep(60)']}, os.environ)\n"
+        "print(group.process_ids()['a'], flush=True)\n"
+        "os.kill(os.getpid(), 9)\n"
+    )
+    ran = subprocess.run(python(parent), capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert ran.returncode == -signal.SIGKILL
+    child, deadline = int(ran.stdout), monotonic() + PATIENCE
+    while _runs(child):
+        assert monotonic() < deadline
+
+
+def _runs(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+@given(
+    st.integers(0, 99_999),
+    st.sampled_from(FlightState),
+    st.integers(0, 99),
+    st.integers(0, 99),
+    st.sampled_from(["", "rotor speed 3.0 rad/s is too low to fly at 3.00 s"]),
+)
+def test_progress_survives_the_pipe(tenths, state, phase, phases, reason):
+    progress = Progress(tenths / 10, state, phase, phases, reason)
+    assert parse(progress.line() + "\n") == progress
+
+
+def test_other_lines_are_no_progress():
+    assert parse("navigation: ready") is None
+    assert parse("   1.0 s  dancing  phase 1/2") is None
+
+
+def test_every_source_and_listener_of_the_topics_is_a_process():
+    assert {topic.source for topic in TOPICS.values()} <= set(NODE_NAMES)
+    assert {name for topic in TOPICS.values() for name in topic.listeners} <= set(NODE_NAMES)

@@ -1,0 +1,153 @@
+"""The supervisor against a helicopter that does exactly as told, and against one that does not."""
+
+import itertools
+import math
+
+import pytest
+
+from heli_common.flight_state import FlightState
+from heli_common.rotations import Euler
+from heli_common.timing import CONTROL_PERIOD_NS
+from heli_common.vehicle_state import (
+    UNKNOWN_VARIANCE,
+    VehicleState,
+    odometry_values,
+    pose_from_values,
+)
+from heli_flight.plan import load_plan
+from heli_flight.stages import FlightLimits
+from heli_flight.supervisor import Supervisor
+
+DEPTH = FlightLimits().rest_depth
+
+
+class Obedient:
+    """A helicopter that is where the reference was, homes in two seconds and has an ideal drive."""
+
+    def __init__(self, supervisor):
+        self.supervisor = supervisor
+        self.tick = 0
+        self.position, self.rotor, self.known, self.tilt = (0.0, 0.0, DEPTH), 0.0, False, 0.0
+        self.states, self.references = [], []
+
+    def step(self):
+        stamp = self.tick * CONTROL_PERIOD_NS
+        variance = (1e-6 if self.known else UNKNOWN_VARIANCE,) * 6
+        zero = (0.0, 0.0, 0.0)
+        vehicle = VehicleState(self.position, Euler(0.0, self.tilt, 0.0), zero, zero)
+        assert self.supervisor.receive("rotor_state", stamp, (0.0, self.rotor, 0.0)) == []
+        state, reference = self.supervisor.receive(
+            "odometry", stamp, odometry_values(vehicle, variance, (1e-4,) * 6)
+        )
+        assert state.stamp_ns == reference.stamp_ns == stamp
+        self.states.append(FlightState(int(state.values[0])))
+        self.rotor = state.values[3]
+        position, attitude = pose_from_values(reference.values)
+        self.references.append((*position, attitude.psi))
+        if self.states[-1].controlled:
+            self.position = (position[0], position[1], min(position[2], DEPTH))
+        self.known = self.known or self.tick > 200
+        self.tick += 1
+        return self.states[-1]
+
+    def run(self, ticks=20_000):
+        for _ in range(ticks):
+            if self.step().ended:
+                return self.states[-1]
+        raise AssertionError(f"still {self.states[-1].word} after {ticks} ticks")
+
+
+def stages(states):
+    return [state for index, state in enumerate(states) if index == 0 or state is not states[index - 1]]
+
+
+def test_hover_steps_goes_through_every_stage():
+    plan = load_plan("hover_steps")
+    flight = Obedient(Supervisor(FlightLimits(), plan))
+    assert flight.run() is FlightState.STOPPED
+    order = ["HOMING", "RUN_UP", "FLYING", "LANDING", "RUN_DOWN", "STOPPED"]
+    assert [state.name for state in stages(flight.states)] == order
+    assert len(flight.states) * 0.01 == pytest.approx(plan.duration, abs=5.0)
+    assert flight.supervisor.phase == len(plan.phases)
+    assert flight.rotor == 0.0
+
+
+def test_references_of_the_steps_are_those_of_the_plan():
+    flight = Obedient(Supervisor(FlightLimits(), load_plan("hover_steps")))
+    flight.run()
+    flown = [r for r, s in zip(flight.references, flight.states, strict=True) if s is FlightState.FLYING]
+    steps = [
+        tuple(round(b - a, 9) for a, b in zip(before[:2], after[:2], strict=True))
+        for before, after in itertools.pairwise(flown)
+        if before[:2] != after[:2]
+    ]
+    assert steps == [(0.3, 0.0), (-0.3, 0.0), (0.0, 0.3), (0.0, -0.3)]
+    climb = [b[2] - a[2] for a, b in itertools.pairwise(flown)]
+    assert min(climb) == pytest.approx(-0.15 * 0.01, abs=1e-9)
+
+
+def test_not_homed_is_not_flown():
+    flight = Obedient(Supervisor(FlightLimits(), load_plan("hover_steps")))
+    flight.known = False
+    for _ in range(2_000):
+        flight.known = False
+        if flight.step().ended:
+            break
+        flight.known = False
+    assert flight.states[-1] is FlightState.FAULT
+    assert "not indexed" in flight.supervisor.reason
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"tilt": math.radians(23.0)}, "roll or pitch of 23.0 deg"),
+        ({"position": (0.49, 0.0, 0.0)}, "0.49 m from the axis"),
+        ({"known": False}, "position lost"),
+        ({"rotor": 100.0}, "too low to fly"),
+    ],
+)
+def test_an_unsafe_flight_is_stopped_with_the_reason(change, words):
+    flight = Obedient(Supervisor(FlightLimits(), load_plan("short_hover")))
+    while flight.step() is not FlightState.FLYING:
+        pass
+    flight.tick = 10_000  # known stays as set
+    for name, value in change.items():
+        setattr(flight, name, value)
+    assert flight.step() is FlightState.FAULT
+    assert words in flight.supervisor.reason
+    assert flight.rotor == 0.0
+    # and it stays stopped
+    flight.tilt, flight.position, flight.known = 0.0, (0.0, 0.0, 0.0), True
+    assert flight.step() is FlightState.FAULT
+
+
+def test_services_fly_without_a_plan():
+    flight = Obedient(Supervisor(FlightLimits()))
+    command = flight.supervisor.command
+    assert flight.step() is FlightState.IDLE
+    assert command("arm") == (False, "arm is not possible while idle: home first")
+    assert command("take_off")[0] is False
+    for name, end in (
+        ("home", FlightState.IDLE),
+        ("arm", FlightState.RUN_UP),
+        ("take_off", FlightState.FLYING),
+    ):
+        assert command(name)[0], name
+        for _ in range(1_500):
+            flight.step()
+        assert flight.states[-1] is end
+    assert command("home") == (False, "home is not possible while flying")
+    assert command("land")[0]
+    assert flight.run() is FlightState.STOPPED
+    assert command("home") == (False, "the flight is over (stopped)")
+
+
+def test_stop_is_always_accepted_and_acts_at_the_next_tick():
+    flight = Obedient(Supervisor(FlightLimits(), load_plan("short_hover")))
+    flight.step()
+    assert flight.supervisor.command("home")[0] is False
+    assert flight.supervisor.command("dance")[0] is False
+    assert flight.supervisor.command("stop") == (True, "stopping")
+    assert flight.step() is FlightState.FAULT
+    assert flight.supervisor.reason == "stop requested at 0.01 s"

@@ -1,0 +1,151 @@
+"""A flight on the graph ends safely and in order: interrupted, a node lost, a command that is no number."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from time import monotonic
+
+import pytest
+
+from heli_flight.bag_reader import read_bag
+
+ROGUE = """
+import rclpy
+from heli_common.nodes.messages import message_class
+from heli_common.nodes.qos import DATA
+from heli_common.topics import TOPICS
+rclpy.init()
+node = rclpy.create_node("rogue")
+layout = TOPICS["servo_command"].layout
+publisher = node.create_publisher(message_class(layout.ros_type), "servo_command", DATA)
+while publisher.get_subscription_count() < 2:
+    rclpy.spin_once(node, timeout_sec=0.05)
+publisher.publish(layout.pack(0, [float("nan")] + [0.0] * 11))
+publisher.wait_for_all_acked()
+node.destroy_node()
+rclpy.try_shutdown()
+"""
+
+
+def children(parent):
+    """Process ids of the living children of a process, with their command lines."""
+    found = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+            line = (stat.parent / "cmdline").read_bytes().decode().replace("\0", " ")
+        except OSError:
+            continue
+        if int(fields[1]) == parent and fields[0] != "Z":
+            found[int(stat.parent.name)] = line
+    return found
+
+
+def messages(bag):
+    return sum(read_bag(bag).counts.values())
+
+
+def flying(folder):
+    """Whether the recorder has begun to write."""
+    return any(path.stat().st_size > 20_000 for path in folder.glob("flights/*/*.mcap"))
+
+
+def test_interrupted_while_loading(heli, wait_for):
+    process = heli.start("fly", "hover_steps", "--mode", "inprocess", "--name", "b")
+    # the interpreter itself is up when it has mapped the project's first compiled dependency
+    wait_for(lambda: "numpy" in Path(f"/proc/{process.pid}/maps").read_text(), pause=0.005)
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=10)
+    assert process.returncode == 130
+    assert "Traceback" not in error
+
+
+def test_interrupted_in_the_background_of_a_shell(heli, wait_for):
+    """A shell starts what it puts into the background with SIGINT ignored."""
+    script = (
+        f"'{sys.executable}' -m heli_flight.cli.main fly hover_steps --name b --no-report & echo $!; wait $!"
+    )
+    shell = heli.start_process("sh", "-c", script)
+    pid = int(shell.stdout.readline())
+    wait_for(lambda: flying(heli.folder))
+    os.kill(pid, signal.SIGINT)
+    shell.communicate(timeout=10)
+    assert shell.returncode == 130
+    assert read_bag(heli.folder / "flights" / "b").complete
+
+
+@pytest.mark.parametrize("moment", ["starting", "flying"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupted_at_any_moment(heli, wait_for, moment, number):
+    process = heli.start("fly", "hover_steps", "--mode", "realtime", "--name", "b", "--no-report")
+    wait_for(lambda: len(children(process.pid)) == 7)
+    if moment == "flying":
+        wait_for(lambda: flying(heli.folder))
+    nodes = children(process.pid)
+    process.send_signal(number)
+    asked = monotonic()
+    process.wait(10.0)
+    assert monotonic() - asked < 3.0
+    assert process.returncode == 130
+    for pid in nodes:
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
+    if moment == "flying":
+        bag = read_bag(heli.folder / "flights" / "b")
+        assert bag.complete
+        assert bag.counts["encoders"] > 100
+
+
+@pytest.mark.parametrize("node", ["navigation", "attitude_controller", "recorder"])
+def test_a_killed_node_stops_the_flight_by_name(heli, wait_for, node):
+    process = heli.start("fly", "hover_steps", "--mode", "realtime", "--name", "b", "--no-report")
+    wait_for(lambda: flying(heli.folder))
+    (victim,) = [pid for pid, line in children(process.pid).items() if f"{node}_node" in line]
+    os.kill(victim, signal.SIGKILL)
+    _, error = process.communicate(timeout=15)
+    assert process.returncode == 3
+    assert f"{node}: killed by signal 9" in error
+    bag = read_bag(heli.folder / "flights" / "b")
+    assert bag.counts["encoders"] > 100
+    assert bag.complete is (node != "recorder")
+
+
+def test_a_command_that_is_no_number_stops_the_motor(heli, wait_for):
+    process = heli.start("fly", "short_hover", "--mode", "realtime", "--name", "b", "--no-report")
+    wait_for(lambda: flying(heli.folder))
+    rogue = heli.start_process(sys.executable, "-c", ROGUE)
+    _, error = process.communicate(timeout=30)
+    rogue.wait(10)
+    assert process.returncode == 3
+    said = "bench_sim: servo_command: position.B_1s is nan at 0.00 s; motor switched off"
+    assert said in error
+    assert read_bag(heli.folder / "flights" / "b").custom_data["result"] == said
+
+
+def test_a_second_bench_on_the_same_graph_is_refused(heli, wait_for):
+    first = heli.start("fly", "short_hover", "--mode", "realtime", "--name", "first", "--no-report", "--json")
+    wait_for(lambda: flying(heli.folder))
+    second = heli("fly", "short_hover", "--mode", "lockstep", "--name", "second", "--no-report")
+    assert second.returncode == 2
+    assert "already runs on this graph" in second.stderr
+    assert "Traceback" not in second.stderr
+    out, error = first.communicate(timeout=60)
+    assert first.returncode == 0, error
+    assert '"lost_messages": 0' in out
+
+
+def test_a_bench_alone_gives_up_by_name(heli):
+    ran = subprocess.run(
+        [sys.executable, "-m", "heli_bench_sim.nodes.bench_sim_node", "--ros-args"]
+        + ["-p", "running:=bench_sim,navigation"],
+        env=heli.environment,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert ran.returncode == 3
+    assert "navigation (encoders)" in ran.stderr
+    assert len(ran.stderr.strip().splitlines()) == 1
