@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from heli_bench_sim import drive, servos
 from heli_bench_sim.motion import BenchConstants, BenchState
 from heli_bench_sim.servos import SERVOS
-from heli_bench_sim.states import INPUT_SIZE, Input, State
+from heli_bench_sim.states import Input, State
 
 Array = NDArray[np.float64]
 
@@ -41,10 +41,7 @@ def actual_inputs(state: Array, command: Array, c: BenchConstants) -> Array:
         command: (5,) shaft commands [rad] and control voltage [V].
         c: constants of the bench.
     """
-    inputs = np.empty(INPUT_SIZE)
-    servos.unmix(state[BenchState.shaft : BenchState.shaft_rate], c.servo, inputs)
-    inputs[Input.U_mot] = command[SERVOS]
-    return inputs
+    return np.array([*servos.unmix(state, BenchState.shaft, c.servo), command[SERVOS]])
 
 
 def actuator_state(state: Array, command: Array, saturated: bool, c: BenchConstants) -> ActuatorState:
@@ -56,8 +53,8 @@ def actuator_state(state: Array, command: Array, saturated: bool, c: BenchConsta
         saturated: whether the limits changed the latest servo command.
         c: constants of the bench.
     """
-    inputs, moving = actual_inputs(state, command, c), np.empty(SERVOS)
-    servos.unmix(state[BenchState.shaft_rate : BenchState.bristle_north], c.servo, moving)
+    inputs = actual_inputs(state, command, c)
+    moving = np.array(servos.unmix(state, BenchState.shaft_rate, c.servo))
     # a rate has no neutral angle
     moving[Input.theta_0] -= c.servo.collective_neutral
     moving[Input.theta_t] -= c.servo.tail_neutral

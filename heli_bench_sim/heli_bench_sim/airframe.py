@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from heli_bench_sim.parameters import Constants
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 
 
-@compiled
+@equation
 def drag(u_a: float, v_a: float, w_a: float, c: Constants) -> tuple[float, float, float]:
     """Drag force in body axes [N], against the motion through the air at the centre of gravity.
 

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 from heli_common.quantities import quantity
 
 
@@ -48,7 +48,7 @@ def arm_friction_constants(parameters: ArmFrictionParameters) -> ArmFrictionCons
     return ArmFrictionConstants(**vars(parameters))
 
 
-@compiled
+@equation
 def platform_friction(
     north: float, east: float, down: float, f: ArmFrictionConstants
 ) -> tuple[float, float, float]:
@@ -65,7 +65,7 @@ def platform_friction(
     return -(f.viscous_x + dry) * north, -(f.viscous_y + dry) * east, -(f.viscous_z + dry) * down
 
 
-@compiled
+@equation
 def gimbal_friction(rate: float, f: ArmFrictionConstants) -> float:
     """Torque of one gimbal bearing against its rate [rad/s], in N m."""
     return -f.gimbal * rate / math.sqrt(rate * rate + f.gimbal_rate * f.gimbal_rate)

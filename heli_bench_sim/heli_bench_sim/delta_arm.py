@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 
 ARMS = len(ARM_AZIMUTH)
 
+_SINE = tuple(math.sin(azimuth) for azimuth in ARM_AZIMUTH)
+_COSINE = tuple(math.cos(azimuth) for azimuth in ARM_AZIMUTH)
+
 
 class ArmConstants(NamedTuple):
     """Geometry for the compiled kinematics; every field a float [m]."""
@@ -58,10 +61,10 @@ def solve_arms(x: float, y: float, z: float, geometry: ArmConstants, out: Array)
     """
     height = geometry.centre_height - z
     for arm in range(ARMS):
-        sine, cosine = math.sin(ARM_AZIMUTH[arm]), math.cos(ARM_AZIMUTH[arm])
+        sine, cosine = _SINE[arm], _COSINE[arm]
         outward = x * cosine + y * sine - geometry.inward
         aside = y * cosine - x * sine
-        reach = math.hypot(outward, height)
+        reach = math.sqrt(outward * outward + height * height)
         squares = outward * outward + aside * aside + height * height
         excess = squares + geometry.upper_arm**2 - geometry.forearm**2
         bound = 2.0 * geometry.upper_arm * reach

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from heli_bench_sim.parameters import Constants
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 
 
-@compiled
+@equation
 def current(u_mot: float, omega: float, c: Constants) -> float:
     """Current that the supply drives through the motor [A], 0 .. supply limit; it cannot brake.
 
@@ -20,7 +20,7 @@ def current(u_mot: float, omega: float, c: Constants) -> float:
     return min(max(free, 0.0), c.supply_current)
 
 
-@compiled
+@equation
 def torque_rate(m_a: float, current: float, c: Constants) -> float:
     """M_A' [N m/s]: the motor torque follows the current with one lag.
 
@@ -32,7 +32,7 @@ def torque_rate(m_a: float, current: float, c: Constants) -> float:
     return (c.torque_constant * current - m_a) / c.motor_time
 
 
-@compiled
+@equation
 def rotor_acceleration(m_a: float, torque: float, tail_torque: float, c: Constants) -> float:
     """Omega' [rad/s^2] of everything that turns, seen from the main rotor shaft.
 

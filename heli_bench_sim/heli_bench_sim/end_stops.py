@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from heli_bench_sim.lower_stop import one_sided
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 from heli_common.quantities import quantity
 from heli_common.rig_geometry import RigGeometry
 
@@ -56,7 +56,7 @@ def end_stop_constants(parameters: EndStopParameters, geometry: RigGeometry) -> 
     )
 
 
-@compiled
+@equation
 def gimbal_torque(angle: float, rate: float, limit: float, e: EndStopConstants) -> float:
     """Torque of the two stops of one gimbal axis [N m] at +-limit [rad].
 
@@ -70,7 +70,7 @@ def gimbal_torque(angle: float, rate: float, limit: float, e: EndStopConstants) 
     return one_sided(-limit - angle, -rate, e.gimbal_stiffness, e.gimbal_damping) - back
 
 
-@compiled
+@equation
 def platform_force(
     x: float, y: float, z: float, x_rate: float, y_rate: float, z_rate: float, e: EndStopConstants
 ) -> tuple[float, float, float]:
@@ -86,7 +86,7 @@ def platform_force(
         e: constants of the stops.
     """
     down = one_sided(e.top - z, -z_rate, e.platform_stiffness, e.platform_damping)
-    distance = math.hypot(x, y)
+    distance = math.sqrt(x * x + y * y)
     if distance <= e.radius:
         return 0.0, 0.0, down
     outward = (x * x_rate + y * y_rate) / distance

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from heli_bench_sim.parameters import Constants
 from heli_bench_sim.standstill import reciprocal_speed
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 
 
-@compiled
+@equation
 def disc_tilt(
     a_1p: float,
     b_1p: float,
@@ -52,7 +52,7 @@ def disc_tilt(
     return a_1, b_1
 
 
-@compiled
+@equation
 def hub_stiffness(omega: float, c: Constants) -> float:
     """Moment of the hub per angle of the disc, K_b [N m/rad]: centrifugal force on two blades' hinges.
 

@@ -14,9 +14,12 @@ from numpy.typing import NDArray
 from heli_bench_sim import airframe, drive, flapping, inflow, rigid_body, rotor, servo_rotor, tail_rotor
 from heli_bench_sim.parameters import Constants
 from heli_bench_sim.states import Input, State
-from heli_common.compiled import compiled
+from heli_common.compiled import compiled, equation
 
 Array = NDArray[np.float64]
+Vector = tuple[float, float, float]
+Inputs = tuple[float, float, float, float, float]
+"""Actual blade angles B_1s, A_1s, theta_0, theta_t [rad] and the control voltage [V]."""
 
 
 @compiled
@@ -40,14 +43,45 @@ def derivative(
         c: constants of the helicopter.
         out: (18,) receives the derivative.
     """
+    write_derivative(
+        state,
+        (inputs[0], inputs[1], inputs[2], inputs[3], inputs[4]),
+        (wind_earth[0], wind_earth[1], wind_earth[2]),
+        (force_earth[0], force_earth[1], force_earth[2]),
+        (moment_body[0], moment_body[1], moment_body[2]),
+        c,
+        out,
+    )
+
+
+@equation
+def write_derivative(
+    state: Array,
+    inputs: Inputs,
+    wind_earth: Vector,
+    force_earth: Vector,
+    moment_body: Vector,
+    c: Constants,
+    out: Array,
+) -> None:
+    """The same with numbers in place of small arrays, for the inner loop; `state` and `out` may be longer.
+
+    Args:
+        state: (18 or more,) in the order of `State`, earth NED, body FRD, SI.
+        inputs: actual blade angles [rad] and control voltage [V].
+        wind_earth: velocity of the air, NED [m/s].
+        force_earth: further force at the centre of gravity, NED [N].
+        moment_body: further moment, FRD [N m].
+        c: constants of the helicopter.
+        out: (18 or more,) receives the derivative.
+    """
     psi, theta, phi = state[State.psi], state[State.theta], state[State.phi]
     u, v, w = state[State.u], state[State.v], state[State.w]
     p, q, r = state[State.p], state[State.q], state[State.r]
     a_1p, b_1p = state[State.a_1p], state[State.b_1p]
     omega, m_a = state[State.Omega], state[State.M_A]
     v_i, v_t = state[State.V_i], state[State.V_t]
-    b_1s, a_1s = inputs[Input.B_1s], inputs[Input.A_1s]
-    theta_0, theta_t = inputs[Input.theta_0], inputs[Input.theta_t]
+    b_1s, a_1s, theta_0, theta_t, voltage = inputs
 
     wind_u, wind_v, wind_w = rigid_body.body_from_earth(
         wind_earth[0], wind_earth[1], wind_earth[2], psi, theta, phi
@@ -88,7 +122,7 @@ def derivative(
     )
     out[State.a_1p], out[State.b_1p] = servo_rotor.flapping_rates(a_1p, b_1p, b_1s, a_1s, omega, q, p, c)
     out[State.Omega] = speed_up
-    out[State.M_A] = drive.torque_rate(m_a, drive.current(inputs[Input.U_mot], omega, c), c)
+    out[State.M_A] = drive.torque_rate(m_a, drive.current(voltage, omega, c), c)
     out[State.V_i] = inflow.rate(v_i, thrust, w_a, c)
     out[State.V_t] = inflow.tail_rate(v_t, tail_thrust, c)
 
@@ -142,37 +176,4 @@ def loads(state: Array, inputs: Array, wind_earth: Array, c: Constants) -> Loads
         drive.current(inputs[Input.U_mot], omega, c),
         rotor.section_angle(theta_0, omega, v_i, w_a, c),
         w_a / (c.hover_inflow * thrust / c.weight) if thrust > LEAST_THRUST * c.weight else 0.0,
-    )
-
-
-class Validity(NamedTuple):
-    """Where the model leaves the hover regime it was identified in; any True is a warning."""
-
-    stall: bool
-    """the blade section at 0.75 R is beyond its stall angle"""
-    vortex_ring: bool
-    """descent between half and twice the induced velocity: momentum theory does not hold"""
-    windmill: bool
-    """descent faster than twice the induced velocity"""
-    underspeed: bool
-    """the rotor turns so slowly that the terms in 1/Omega are faded out"""
-
-
-def validity(state: Array, inputs: Array, wind_earth: Array, c: Constants) -> Validity:
-    """Flags of the model's validity in a state.
-
-    Args:
-        state: (18,) in the order of `State`.
-        inputs: (5,) in the order of `Input`.
-        wind_earth: (3,) velocity of the air, NED [m/s].
-        c: constants of the helicopter.
-    """
-    load = loads(state, inputs, wind_earth, c)
-    ratio = load.descent_ratio
-    underspeed = bool(state[State.Omega] < c.fade_speed)
-    return Validity(
-        stall=not underspeed and abs(load.section_angle) > c.stall_angle,
-        vortex_ring=inflow.VORTEX_RING_START < ratio < inflow.WINDMILL,
-        windmill=ratio >= inflow.WINDMILL,
-        underspeed=underspeed,
     )

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from heli_bench_sim.parameters import Constants
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 
 VORTEX_RING_START = 0.5
 """Descent speed over induced velocity at which the wake begins to come back (D)."""
@@ -30,7 +30,7 @@ BRANCH_ROUNDING = 0.05
 """Takes the vertical tangent from the square root where the windmill branch begins (D)."""
 
 
-@compiled
+@equation
 def smooth_step(value: float, start: float, end: float) -> float:
     """0 below start, 1 above end, a cubic with level ends in between.
 
@@ -43,7 +43,7 @@ def smooth_step(value: float, start: float, end: float) -> float:
     return share * share * (3.0 - 2.0 * share)
 
 
-@compiled
+@equation
 def steady_inflow(thrust: float, w_a: float, c: Constants) -> float:
     """Steady induced velocity of the main rotor [m/s].
 
@@ -66,7 +66,7 @@ def steady_inflow(thrust: float, w_a: float, c: Constants) -> float:
     return hover * ((1.0 - to_windmill) * ring + to_windmill * windmill)
 
 
-@compiled
+@equation
 def rate(v_i: float, thrust: float, w_a: float, c: Constants) -> float:
     """V_i' of the main rotor [m/s^2] (source eq. 2.23).
 
@@ -79,7 +79,7 @@ def rate(v_i: float, thrust: float, w_a: float, c: Constants) -> float:
     return (steady_inflow(thrust, w_a, c) - v_i) / c.inflow_time
 
 
-@compiled
+@equation
 def tail_rate(v_t: float, thrust: float, c: Constants) -> float:
     """V_t' of the tail rotor [m/s^2] (source eq. 2.27).
 

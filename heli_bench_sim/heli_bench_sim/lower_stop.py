@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 from heli_common.quantities import quantity
 
 
@@ -80,7 +80,7 @@ def stop_constants(parameters: StopParameters, rest_depth: float, weight: float)
     )
 
 
-@compiled
+@equation
 def one_sided(depth: float, speed: float, stiffness: float, damping: float) -> float:
     """Force of a stop that only pushes: stiffness x depth x (1 + damping x speed), never below zero.
 
@@ -95,7 +95,7 @@ def one_sided(depth: float, speed: float, stiffness: float, damping: float) -> f
     return max(0.0, stiffness * depth * (1.0 + damping * speed))
 
 
-@compiled
+@equation
 def normal_force(z: float, z_rate: float, s: StopConstants) -> float:
     """Force of the stop upwards [N] from the platform's NED z [m] and its rate [m/s].
 
@@ -107,7 +107,7 @@ def normal_force(z: float, z_rate: float, s: StopConstants) -> float:
     return one_sided(z - s.surface, z_rate, s.stiffness, s.damping)
 
 
-@compiled
+@equation
 def tilt_moment(angle: float, rate: float, normal: float, s: StopConstants) -> float:
     """Moment of the skids about one horizontal gimbal axis [N m].
 
@@ -123,7 +123,7 @@ def tilt_moment(angle: float, rate: float, normal: float, s: StopConstants) -> f
     return -normal * (lever + s.tilt_damping * rate)
 
 
-@compiled
+@equation
 def bristle_rate(
     bend: float, velocity: float, speed: float, slip: float, normal: float, s: StopConstants
 ) -> float:
@@ -141,7 +141,7 @@ def bristle_rate(
     return velocity - speed * bend / slip - free * bend / s.release_time
 
 
-@compiled
+@equation
 def friction_force(bend: float, bend_rate: float, normal: float, s: StopConstants) -> float:
     """Friction along one horizontal direction [N].
 
@@ -154,7 +154,7 @@ def friction_force(bend: float, bend_rate: float, normal: float, s: StopConstant
     return -normal * (s.friction * bend / s.slip_distance + s.slip_damping * bend_rate)
 
 
-@compiled
+@equation
 def friction_moment(twist: float, twist_rate: float, normal: float, s: StopConstants) -> float:
     """Friction about the yaw axis [N m].
 

@@ -1,27 +1,46 @@
 """The bench in motion: helicopter, servos and rig in one state, integrated by Runge and Kutta.
 
-One compiled `advance` serves the single bench, batches and tests, so they agree to the last bit. All forces
-of the rig on the helicopter are summed in `rig_load`: what acts on the platform is added there.
+One compiled `integrate` serves the single bench, batches and tests, so they agree to the last bit. All forces
+of the rig on the helicopter are summed in `rig_load`: what acts on the platform is added there. The slope at
+a sample serves twice, for the accelerations that the IMU feels and as first stage of the next step; commands
+latched in between touch nothing in it but servos and motor torque (`command_rates`).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_bench_sim import arm_friction, end_stops, helicopter, homing_hand, lower_stop, rigid_body, servos
+from heli_bench_sim import (
+    arm_friction,
+    arm_inertia,
+    drive,
+    end_stops,
+    helicopter,
+    homing_hand,
+    lower_stop,
+    rigid_body,
+    servos,
+)
 from heli_bench_sim.arm_friction import ArmFrictionConstants
+from heli_bench_sim.arm_inertia import ArmInertiaConstants
+from heli_bench_sim.delta_arm import ArmConstants
 from heli_bench_sim.end_stops import EndStopConstants
+from heli_bench_sim.hall_sensor import HallConstants
 from heli_bench_sim.homing_hand import HandConstants
+from heli_bench_sim.imu_parameters import ImuConstants
 from heli_bench_sim.lower_stop import StopConstants
 from heli_bench_sim.parameters import Constants
+from heli_bench_sim.room_air import RoomConstants
 from heli_bench_sim.servos import SERVOS, ServoConstants
-from heli_bench_sim.states import INPUT_SIZE, STATE_SIZE, Input, State
-from heli_common.compiled import compiled
+from heli_bench_sim.states import STATE_SIZE, State
+from heli_bench_sim.wind_generator import WindConstants
+from heli_common.compiled import compiled, equation
 
 Array = NDArray[np.float64]
 
@@ -46,8 +65,17 @@ BENCH_STATE_SIZE = STATE_SIZE + 2 * SERVOS + 3
 COMMAND_SIZE = SERVOS + 1
 """Four shaft commands [rad] and the control voltage [V]."""
 
+AIR_SIZE = 4
+"""Velocity of the air at the helicopter, NED [m/s], and yaw moment of the room's air [N m]."""
+
 WORK_ROWS = 5
-"""Rows of working memory that `advance` needs: four slopes and one trial state."""
+"""Rows of working memory: three slopes, one trial state, and the first slope of a bench in a batch."""
+
+FLYING_STEPS, STANDING_STEPS = 1, 4
+"""Runge-Kutta steps per sensor period of 2.5 ms: in flight, and near the stiff lower stop."""
+
+STOP_MARGIN = 0.02
+"""Height over the lower stop below which the short steps begin [m]."""
 
 
 class BenchConstants(NamedTuple):
@@ -59,6 +87,12 @@ class BenchConstants(NamedTuple):
     friction: ArmFrictionConstants
     ends: EndStopConstants
     hand: HandConstants
+    arm: ArmConstants
+    inertia: ArmInertiaConstants
+    jet: WindConstants
+    room: RoomConstants
+    imu: ImuConstants
+    hall: HallConstants
 
 
 class Hand(NamedTuple):
@@ -92,7 +126,7 @@ class RigLoad(NamedTuple):
     roll: float
 
 
-@compiled
+@equation
 def rig_load(
     state: Array,
     velocity: tuple[float, float, float],
@@ -148,14 +182,14 @@ def rig_load(
 
 @compiled
 def bench_derivative(
-    state: Array, command: Array, wind_earth: Array, hand: Hand, c: BenchConstants, out: Array
+    state: Array, command: Array, air: Array, hand: Hand, c: BenchConstants, out: Array
 ) -> None:
     """Write the derivative of the bench's state into `out`.
 
     Args:
         state: (29,) helicopter, servos, bristles.
         command: (5,) shaft commands [rad] and control voltage [V].
-        wind_earth: (3,) velocity of the air, NED [m/s].
+        air: (4,) velocity of the air, NED [m/s], and its yaw moment [N m].
         hand: the homing script.
         c: constants of the bench.
         out: (29,) receives the derivative.
@@ -166,7 +200,7 @@ def bench_derivative(
     )
     turning = rigid_body.euler_rates(state[State.p], state[State.q], state[State.r], theta, phi)
     normal = lower_stop.normal_force(state[State.z], velocity[2], c.stop)
-    sliding = math.hypot(velocity[0], velocity[1])
+    sliding = math.sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1])
     slip, twist = c.stop.slip_distance, c.stop.slip_angle
     bends = (
         lower_stop.bristle_rate(state[BenchState.bristle_north], velocity[0], sliding, slip, normal, c.stop),
@@ -178,22 +212,86 @@ def bench_derivative(
     out[BenchState.bristle_north], out[BenchState.bristle_east], out[BenchState.bristle_yaw] = bends
 
     load = rig_load(state, velocity, turning, bends, normal, hand, c)
-    force, moment, inputs = np.empty(3), np.empty(3), np.empty(INPUT_SIZE)
-    force[0], force[1], force[2] = load.north, load.east, load.down
-    moment[0], moment[1], moment[2] = rigid_body.body_moment(load.yaw, load.pitch, load.roll, theta, phi)
-    servos.unmix(state[BenchState.shaft : BenchState.shaft_rate], c.servo, inputs)
-    inputs[Input.U_mot] = command[SERVOS]
-    helicopter.derivative(
-        state[:STATE_SIZE], inputs, wind_earth, force, moment, c.helicopter, out[:STATE_SIZE]
+    moment = rigid_body.body_moment(load.yaw + air[3], load.pitch, load.roll, theta, phi)
+    b_1s, a_1s, theta_0, theta_t = servos.unmix(state, BenchState.shaft, c.servo)
+    helicopter.write_derivative(
+        state,
+        (b_1s, a_1s, theta_0, theta_t, command[SERVOS]),
+        (air[0], air[1], air[2]),
+        (load.north, load.east, load.down),
+        moment,
+        c.helicopter,
+        out,
     )
-
+    if c.inertia.swing_mass > 0.0:
+        add_arms(state, velocity, c, out)
     for servo in range(SERVOS):
-        angle, rate = state[BenchState.shaft + servo], state[BenchState.shaft_rate + servo]
-        out[BenchState.shaft + servo] = rate
-        out[BenchState.shaft_rate + servo] = servos.shaft_acceleration(angle, rate, command[servo], c.servo)
+        out[BenchState.shaft + servo] = state[BenchState.shaft_rate + servo]
+    command_rates(state, command, c, out)
 
 
 @compiled
+def add_arms(state: Array, velocity: tuple[float, float, float], c: BenchConstants, out: Array) -> None:
+    """Correct the acceleration of the platform for the arms' own inertia: (m I + M) a = F - h.
+
+    Args:
+        state: (29,) of the bench.
+        velocity: of the platform, NED [m/s].
+        c: constants of the bench.
+        out: (29,) derivative without arms, of which u, v and w are corrected.
+    """
+    psi, theta, phi = state[State.psi], state[State.theta], state[State.phi]
+    u, v, w = state[State.u], state[State.v], state[State.w]
+    p, q, r = state[State.p], state[State.q], state[State.r]
+    north, east, down = rigid_body.earth_from_body(
+        out[State.u] + q * w - r * v,
+        out[State.v] + r * u - p * w,
+        out[State.w] + p * v - q * u,
+        psi,
+        theta,
+        phi,
+    )
+    mass, force = np.empty(9), np.empty(3)
+    arm_inertia.arm_mass_matrix(
+        state[State.x],
+        state[State.y],
+        state[State.z],
+        velocity[0],
+        velocity[1],
+        velocity[2],
+        c.arm,
+        c.inertia,
+        mass,
+        force,
+    )
+    own = c.helicopter.mass
+    force[0], force[1], force[2] = own * north - force[0], own * east - force[1], own * down - force[2]
+    mass[0], mass[4], mass[8] = mass[0] + own, mass[4] + own, mass[8] + own
+    arm_inertia.solve_three(mass, force, force)
+    slower = rigid_body.body_from_earth(force[0] - north, force[1] - east, force[2] - down, psi, theta, phi)
+    out[State.u] += slower[0]
+    out[State.v] += slower[1]
+    out[State.w] += slower[2]
+
+
+@equation
+def command_rates(state: Array, command: Array, c: BenchConstants, out: Array) -> None:
+    """Write the only rates that depend on the command at once: servo shafts and motor torque.
+
+    Args:
+        state: (29,) of the bench.
+        command: (5,) shaft commands [rad] and control voltage [V].
+        c: constants of the bench.
+        out: (29,) derivative, of which five are overwritten.
+    """
+    for servo in range(SERVOS):
+        angle, rate = state[BenchState.shaft + servo], state[BenchState.shaft_rate + servo]
+        out[BenchState.shaft_rate + servo] = servos.shaft_acceleration(angle, rate, command[servo], c.servo)
+    current = drive.current(command[SERVOS], state[State.Omega], c.helicopter)
+    out[State.M_A] = drive.torque_rate(state[State.M_A], current, c.helicopter)
+
+
+@equation
 def later(hand: Hand, time: float) -> Hand:
     """The homing script some time [s] further on; no hand stays no hand."""
     if hand.time < 0.0:
@@ -201,14 +299,15 @@ def later(hand: Hand, time: float) -> Hand:
     return Hand(hand.time + time, hand.x, hand.y, hand.z, hand.psi, hand.theta, hand.phi)
 
 
-@compiled
-def advance(
+@equation
+def integrate(
     state: Array,
+    slope: Array,
     command: Array,
-    wind_earth: Array,
+    air: Array,
     hand: Hand,
     period: float,
-    steps: int,
+    refinement: int,
     c: BenchConstants,
     work: Array,
 ) -> None:
@@ -216,52 +315,59 @@ def advance(
 
     Args:
         state: (29,), overwritten.
+        slope: (29,) its derivative at the beginning, whatever command it was taken with; overwritten.
         command: (5,) shaft commands [rad] and control voltage [V].
-        wind_earth: (3,) velocity of the air, NED [m/s].
+        air: (4,) velocity of the air, NED [m/s], and its yaw moment [N m].
         hand: the homing script at the beginning.
         period: [s].
-        steps: number of equal integration steps in it.
+        refinement: factor on the number of integration steps in it, 1 for flights.
         c: constants of the bench.
         work: (5, 29) working memory.
     """
+    near = state[State.z] > c.stop.surface - STOP_MARGIN
+    steps = refinement * (STANDING_STEPS if near else FLYING_STEPS)
     h = period / steps
-    first, second, third, fourth, trial = work[0], work[1], work[2], work[3], work[4]
+    second, third, fourth, trial = work[0], work[1], work[2], work[3]
+    command_rates(state, command, c, slope)
     for step in range(steps):
-        now, middle, end = later(hand, step * h), later(hand, (step + 0.5) * h), later(hand, (step + 1) * h)
-        bench_derivative(state, command, wind_earth, now, c, first)
+        middle, end = later(hand, (step + 0.5) * h), later(hand, (step + 1) * h)
+        if step > 0:
+            bench_derivative(state, command, air, later(hand, step * h), c, slope)
         for index in range(BENCH_STATE_SIZE):
-            trial[index] = state[index] + 0.5 * h * first[index]
-        bench_derivative(trial, command, wind_earth, middle, c, second)
+            trial[index] = state[index] + 0.5 * h * slope[index]
+        bench_derivative(trial, command, air, middle, c, second)
         for index in range(BENCH_STATE_SIZE):
             trial[index] = state[index] + 0.5 * h * second[index]
-        bench_derivative(trial, command, wind_earth, middle, c, third)
+        bench_derivative(trial, command, air, middle, c, third)
         for index in range(BENCH_STATE_SIZE):
             trial[index] = state[index] + h * third[index]
-        bench_derivative(trial, command, wind_earth, end, c, fourth)
+        bench_derivative(trial, command, air, end, c, fourth)
         for index in range(BENCH_STATE_SIZE):
-            slope = first[index] + 2.0 * (second[index] + third[index]) + fourth[index]
-            state[index] += h / 6.0 * slope
+            state[index] += h / 6.0 * (slope[index] + 2.0 * (second[index] + third[index]) + fourth[index])
 
 
 @compiled
 def advance_batch(
     states: Array,
     commands: Array,
-    winds_earth: Array,
+    airs: Array,
     period: float,
-    steps: int,
-    c: BenchConstants,
+    refinement: int,
+    box: Sequence[BenchConstants],
+    work: Array,
 ) -> None:
-    """Advance many benches of the same kind in place, each exactly as `advance` would.
+    """Advance many benches of the same kind in place, each exactly as it would move alone.
 
     Args:
         states: (n, 29), overwritten.
         commands: (n, 5) shaft commands [rad] and control voltage [V].
-        winds_earth: (n, 3) velocity of the air, NED [m/s].
+        airs: (n, 4) velocity of the air, NED [m/s], and its yaw moment [N m].
         period: [s].
-        steps: number of equal integration steps in it.
-        c: constants of the benches.
+        refinement: factor on the number of integration steps in it, 1 for flights.
+        box: constants of the benches, boxed.
+        work: (5, 29) working memory.
     """
-    work = np.empty((WORK_ROWS, BENCH_STATE_SIZE))
+    c = box[0]
     for bench in range(states.shape[0]):
-        advance(states[bench], commands[bench], winds_earth[bench], NO_HAND, period, steps, c, work)
+        bench_derivative(states[bench], commands[bench], airs[bench], NO_HAND, c, work[4])
+        integrate(states[bench], work[4], commands[bench], airs[bench], NO_HAND, period, refinement, c, work)

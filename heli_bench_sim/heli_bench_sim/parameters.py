@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from heli_common.quantities import quantity
+from heli_common.records import packed
 
 
 @dataclass(frozen=True)
@@ -200,59 +201,65 @@ def constants(parameters: HelicopterParameters) -> Constants:
     bar_lock_number = h.air_density * h.bar_chord * h.bar_lift_slope * bar_fourth / h.bar_inertia
     weight = h.mass * h.gravity
     shaft_inertia = h.rotor_inertia + h.bar_inertia
-    return Constants(
-        mass=h.mass,
-        gravity=h.gravity,
-        weight=weight,
-        air_density=h.air_density,
-        inertia_xx=h.inertia_xx,
-        inertia_yy=h.inertia_yy,
-        inertia_zz=h.inertia_zz,
-        inertia_xz=h.inertia_xz,
-        drag_area=h.drag_area,
-        fade_speed=h.fade_fraction * h.rotor_speed,
-        radius=h.radius,
-        lift_per_angle=lift * (h.radius**3 - h.cutout**3) / 3.0,
-        lift_per_speed_squared=lift * (h.radius - h.cutout) / 2.0,
-        lift_per_inflow=lift * (h.radius**2 - h.cutout**2) / 2.0,
-        inflow_gradient=1.5 * h.radius**2 / (h.radius**3 - h.cutout**3),  # source eq. 2.28
-        stall_angle=h.stall_angle,
-        stall_rounding=h.stall_rounding,
-        drag_moment=2.0 * h.thrust_efficiency * blade * fourth / 4.0,
-        drag_constant=h.drag_constant,
-        drag_linear=h.drag_linear,
-        drag_square=h.drag_square,
-        hover_inflow=math.sqrt(weight / (2.0 * h.air_density * math.pi * h.radius**2)),  # eq. 2.22
-        inflow_time=h.inflow_time,
-        speed_flapping=h.speed_flapping,
-        flapping_damping=16.0 / lock_number,  # tau_M Omega, source eq. 2.40
-        phase_cos=math.cos(phase),
-        phase_sin=math.sin(phase),
-        hub_stiffness=h.blade_mass * blade_centre * h.hinge_offset,
-        hub_x=h.hub_x,
-        hub_z=h.hub_z,
-        bar_rate=bar_lock_number / 16.0,  # k / Omega, source eq. 2.47
-        bar_to_blade=h.bar_to_blade,
-        plate_to_blade=h.plate_to_blade,
-        plate_to_bar=h.plate_to_bar,
-        tail_lift_per_angle=tail_lift * (h.tail_radius**3 - h.tail_cutout**3) / 3.0,
-        tail_lift_per_inflow=tail_lift * (h.tail_radius**2 - h.tail_cutout**2) / 2.0,
-        tail_inflow_gradient=1.5 * h.tail_radius**2 / (h.tail_radius**3 - h.tail_cutout**3),
-        tail_drag_moment=2.0 * h.tail_efficiency * tail_blade * (h.tail_radius**4 - h.tail_cutout**4) / 4.0,
-        tail_side_flow=h.tail_side_flow,
-        tail_x=h.tail_x,
-        tail_z=h.tail_z,
-        tail_thrust=h.tail_thrust,
-        tail_hover_inflow=math.sqrt(h.tail_thrust / (2.0 * h.air_density * math.pi * h.tail_radius**2)),
-        tail_inflow_time=h.tail_inflow_time,
-        motor_gear=h.motor_gear,
-        tail_gear=h.tail_gear,
-        shaft_inertia=shaft_inertia,
-        drive_inertia=shaft_inertia + h.tail_gear**2 * h.tail_inertia + h.motor_gear**2 * h.motor_inertia,
-        motor_time=h.motor_time,
-        torque_constant=h.torque_constant,
-        armature_resistance=h.armature_resistance,
-        supply_gain=h.supply_gain,
-        supply_voltage=h.supply_voltage,
-        supply_current=h.supply_current,
+    return packed(
+        Constants(
+            mass=h.mass,
+            gravity=h.gravity,
+            weight=weight,
+            air_density=h.air_density,
+            inertia_xx=h.inertia_xx,
+            inertia_yy=h.inertia_yy,
+            inertia_zz=h.inertia_zz,
+            inertia_xz=h.inertia_xz,
+            drag_area=h.drag_area,
+            fade_speed=h.fade_fraction * h.rotor_speed,
+            radius=h.radius,
+            lift_per_angle=lift * (h.radius**3 - h.cutout**3) / 3.0,
+            lift_per_speed_squared=lift * (h.radius - h.cutout) / 2.0,
+            lift_per_inflow=lift * (h.radius**2 - h.cutout**2) / 2.0,
+            inflow_gradient=1.5 * h.radius**2 / (h.radius**3 - h.cutout**3),  # source eq. 2.28
+            stall_angle=h.stall_angle,
+            stall_rounding=h.stall_rounding,
+            drag_moment=2.0 * h.thrust_efficiency * blade * fourth / 4.0,
+            drag_constant=h.drag_constant,
+            drag_linear=h.drag_linear,
+            drag_square=h.drag_square,
+            hover_inflow=math.sqrt(weight / (2.0 * h.air_density * math.pi * h.radius**2)),  # eq. 2.22
+            inflow_time=h.inflow_time,
+            speed_flapping=h.speed_flapping,
+            flapping_damping=16.0 / lock_number,  # tau_M Omega, source eq. 2.40
+            phase_cos=math.cos(phase),
+            phase_sin=math.sin(phase),
+            hub_stiffness=h.blade_mass * blade_centre * h.hinge_offset,
+            hub_x=h.hub_x,
+            hub_z=h.hub_z,
+            bar_rate=bar_lock_number / 16.0,  # k / Omega, source eq. 2.47
+            bar_to_blade=h.bar_to_blade,
+            plate_to_blade=h.plate_to_blade,
+            plate_to_bar=h.plate_to_bar,
+            tail_lift_per_angle=tail_lift * (h.tail_radius**3 - h.tail_cutout**3) / 3.0,
+            tail_lift_per_inflow=tail_lift * (h.tail_radius**2 - h.tail_cutout**2) / 2.0,
+            tail_inflow_gradient=1.5 * h.tail_radius**2 / (h.tail_radius**3 - h.tail_cutout**3),
+            tail_drag_moment=2.0
+            * h.tail_efficiency
+            * tail_blade
+            * (h.tail_radius**4 - h.tail_cutout**4)
+            / 4.0,
+            tail_side_flow=h.tail_side_flow,
+            tail_x=h.tail_x,
+            tail_z=h.tail_z,
+            tail_thrust=h.tail_thrust,
+            tail_hover_inflow=math.sqrt(h.tail_thrust / (2.0 * h.air_density * math.pi * h.tail_radius**2)),
+            tail_inflow_time=h.tail_inflow_time,
+            motor_gear=h.motor_gear,
+            tail_gear=h.tail_gear,
+            shaft_inertia=shaft_inertia,
+            drive_inertia=shaft_inertia + h.tail_gear**2 * h.tail_inertia + h.motor_gear**2 * h.motor_inertia,
+            motor_time=h.motor_time,
+            torque_constant=h.torque_constant,
+            armature_resistance=h.armature_resistance,
+            supply_gain=h.supply_gain,
+            supply_voltage=h.supply_voltage,
+            supply_current=h.supply_current,
+        )
     )

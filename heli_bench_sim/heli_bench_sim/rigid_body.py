@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from heli_bench_sim.parameters import Constants
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 
 Vector = tuple[float, float, float]
 
 
-@compiled
+@equation
 def body_from_earth(x: float, y: float, z: float, psi: float, theta: float, phi: float) -> Vector:
     """Components in body axes (FRD) of a vector given in earth axes (NED); the angles in rad.
 
@@ -35,7 +35,7 @@ def body_from_earth(x: float, y: float, z: float, psi: float, theta: float, phi:
     )
 
 
-@compiled
+@equation
 def earth_from_body(x: float, y: float, z: float, psi: float, theta: float, phi: float) -> Vector:
     """Components in earth axes (NED) of a vector given in body axes (FRD); the angles in rad.
 
@@ -60,7 +60,7 @@ def earth_from_body(x: float, y: float, z: float, psi: float, theta: float, phi:
     )
 
 
-@compiled
+@equation
 def euler_rates(p: float, q: float, r: float, theta: float, phi: float) -> Vector:
     """(psi', theta', phi') [rad/s] from the body rates (source eq. 2.2); singular at theta = +-90 deg.
 
@@ -76,7 +76,7 @@ def euler_rates(p: float, q: float, r: float, theta: float, phi: float) -> Vecto
     return turning / math.cos(theta), cos_phi * q - sin_phi * r, p + turning * math.tan(theta)
 
 
-@compiled
+@equation
 def body_moment(about_yaw: float, about_pitch: float, about_roll: float, theta: float, phi: float) -> Vector:
     """Body moment (L, M, N) [N m] of torques [N m] about the gimbal's yaw, pitch and roll axes.
 
@@ -94,7 +94,7 @@ def body_moment(about_yaw: float, about_pitch: float, about_roll: float, theta: 
     return about_roll, cos_phi * about_pitch + sin_phi * turning, cos_phi * turning - sin_phi * about_pitch
 
 
-@compiled
+@equation
 def accelerations(
     force_x: float,
     force_y: float,
@@ -128,7 +128,7 @@ def accelerations(
     )
 
 
-@compiled
+@equation
 def angular_accelerations(
     moment_x: float, moment_y: float, moment_z: float, p: float, q: float, r: float, c: Constants
 ) -> Vector:

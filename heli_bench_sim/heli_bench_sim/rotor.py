@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from heli_bench_sim.parameters import Constants
 from heli_bench_sim.standstill import reciprocal_speed
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 
 REFERENCE_SECTION = 0.75
 """Share of the radius at which the section angle is taken for stall."""
 
 
-@compiled
+@equation
 def section_angle(theta_0: float, omega: float, v_i: float, w_a: float, c: Constants) -> float:
     """Angle of attack at 0.75 R [rad] from collective [rad], rotor speed, inflow and vertical air speed.
 
@@ -30,7 +30,7 @@ def section_angle(theta_0: float, omega: float, v_i: float, w_a: float, c: Const
     return theta_0 + per_speed * (w_a / (REFERENCE_SECTION * c.radius) - c.inflow_gradient * v_i)
 
 
-@compiled
+@equation
 def lost_angle(angle: float, c: Constants) -> float:
     """Part of the section angle that gives no more lift because the blade is stalled [rad].
 
@@ -45,7 +45,7 @@ def lost_angle(angle: float, c: Constants) -> float:
     return beyond if angle > 0.0 else -beyond
 
 
-@compiled
+@equation
 def thrust(
     theta_0: float, omega: float, v_i: float, u_a: float, v_a: float, w_a: float, c: Constants
 ) -> float:
@@ -68,7 +68,7 @@ def thrust(
     )
 
 
-@compiled
+@equation
 def torque(thrust: float, theta_0: float, omega: float, v_i: float, w_a: float, c: Constants) -> float:
     """Torque Q [N m] that the air takes from the shaft: profile drag and the power of the thrust.
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from heli_bench_sim.parameters import Constants
 from heli_bench_sim.standstill import reciprocal_speed
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 
 
-@compiled
+@equation
 def flapping_rates(
     a_1p: float, b_1p: float, b_1s: float, a_1s: float, omega: float, q: float, p: float, c: Constants
 ) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_common.compiled import compiled
+from heli_common.compiled import compiled, equation
 from heli_common.quantities import quantity
 
 Array = NDArray[np.float64]
@@ -26,6 +26,9 @@ SERVOS = 4
 
 SERVO_AZIMUTH = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
 """Azimuth of the swash-plate servos from the nose [rad] (D)."""
+
+_COSINE = (1.0, -0.5, -0.5)
+_SINE = (0.0, 0.5 * math.sqrt(3.0), -0.5 * math.sqrt(3.0))
 
 COMMAND_NAMES = ("B_1s", "A_1s", "theta_0", "theta_t")
 
@@ -91,32 +94,32 @@ def mix(b_1s: float, a_1s: float, theta_0: float, theta_t: float, s: ServoConsta
         out: (4,) receives the shaft angles [rad].
     """
     for servo in range(SERVOS - 1):
-        cyclic = b_1s * math.cos(SERVO_AZIMUTH[servo]) + a_1s * math.sin(SERVO_AZIMUTH[servo])
+        cyclic = b_1s * _COSINE[servo] + a_1s * _SINE[servo]
         out[servo] = s.plate_lever * (theta_0 - s.collective_neutral + cyclic)
     out[SERVOS - 1] = s.tail_lever * (theta_t - s.tail_neutral)
 
 
-@compiled
-def unmix(shafts: Array, s: ServoConstants, out: Array) -> None:
-    """Write the blade angles B_1s, A_1s, theta_0, theta_t [rad] of four shaft angles [rad] into `out`.
+@equation
+def unmix(shafts: Array, first: int, s: ServoConstants) -> tuple[float, float, float, float]:
+    """Blade angles B_1s, A_1s, theta_0, theta_t [rad] of four shaft angles [rad].
 
     Args:
-        shafts: (4,) shaft angles [rad].
+        shafts: holds the four shaft angles [rad].
+        first: index of the first of them.
         s: constants of the servos.
-        out: (4 or more,) receives the blade angles [rad].
     """
-    back, right, mean = 0.0, 0.0, 0.0
-    for servo in range(SERVOS - 1):
-        back += shafts[servo] * math.cos(SERVO_AZIMUTH[servo])
-        right += shafts[servo] * math.sin(SERVO_AZIMUTH[servo])
-        mean += shafts[servo]
-    out[0] = back * 2.0 / 3.0 / s.plate_lever
-    out[1] = right * 2.0 / 3.0 / s.plate_lever
-    out[2] = mean / 3.0 / s.plate_lever + s.collective_neutral
-    out[3] = shafts[SERVOS - 1] / s.tail_lever + s.tail_neutral
+    one, two, three = shafts[first], shafts[first + 1], shafts[first + 2]
+    back = one * _COSINE[0] + two * _COSINE[1] + three * _COSINE[2]
+    right = one * _SINE[0] + two * _SINE[1] + three * _SINE[2]
+    return (
+        back * 2.0 / 3.0 / s.plate_lever,
+        right * 2.0 / 3.0 / s.plate_lever,
+        (one + two + three) / 3.0 / s.plate_lever + s.collective_neutral,
+        shafts[first + 3] / s.tail_lever + s.tail_neutral,
+    )
 
 
-@compiled
+@equation
 def shaft_acceleration(angle: float, rate: float, command: float, s: ServoConstants) -> float:
     """Acceleration of one shaft [rad/s^2]: second order, the rate asked for limited.
 

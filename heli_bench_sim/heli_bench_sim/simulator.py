@@ -10,21 +10,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from heli_bench_sim.bench import Bench
+from heli_bench_sim.fault_request import fault_from_text
+from heli_bench_sim.link import DelayLine
+from heli_bench_sim.validity import Violation
 from heli_common.component import Message
 from heli_common.errors import SafetyStop
 from heli_common.finite import require_finite
 from heli_common.flight_state import FlightState, flight_state_from_code
 from heli_common.timing import (
     COMMAND_LATENCY_NS,
+    CONTROL_PERIOD_NS,
     SENSOR_PERIOD_NS,
     is_command_tick,
     is_control_tick,
     is_pwm_tick,
 )
-from heli_common.topics import BENCH_SIM
-from heli_common.vehicle_state import VehicleState, odometry_values
+from heli_common.topics import BENCH_SIM, TOPICS
+from heli_common.vehicle_state import VehicleState, imu_values, odometry_values, swap_body, wind_values
 
 _NO_VARIANCE = (0.0,) * 6
+_FAN = TOPICS["flight_state"].layout.fields.index("velocity.fan")
+
+REGIME_PERIOD_NS = 100_000_000
+"""How often it is looked whether the model still holds."""
 
 
 class BenchSimulator:
@@ -35,11 +43,21 @@ class BenchSimulator:
         late: late commands so far, per input topic.
         newest: stamp of the newest command so far, per input topic.
         ended_at: stamp of the first flight state that ends the flight, or None.
+        left_regime: the first violation of each kind so far, with its stamp [ns].
     """
 
     name = BENCH_SIM
     inputs: tuple[str, ...] = ("servo_command", "motor_command", "flight_state")
-    outputs: tuple[str, ...] = ("encoders", "rotor", "actuator_state", "ground_truth", "clock")
+    outputs: tuple[str, ...] = (
+        "encoders",
+        "imu",
+        "rotor",
+        "actuator_state",
+        "ground_truth",
+        "wind",
+        "bench_condition",
+        "clock",
+    )
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench
@@ -48,6 +66,9 @@ class BenchSimulator:
         self.ended_at: int | None = None
         self._commands: dict[str, list[tuple[int, Sequence[float]]]] = {topic: [] for topic in self.inputs}
         self.newest = dict.fromkeys(self.inputs, -1)
+        self.left_regime: dict[str, tuple[int, Violation]] = {}
+        self._link = DelayLine(bench.parameters.link.dead_time_ns)
+        self._imu_variances = bench.imu_variances
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
         """Keep a command until it acts.
@@ -59,7 +80,10 @@ class BenchSimulator:
             require_finite(topic, values)
         except ValueError as error:
             raise SafetyStop(f"{error} at {stamp_ns * 1e-9:.2f} s; motor switched off") from None
-        self._commands[topic].append((stamp_ns, values))
+        if topic == "servo_command":
+            self._link.send(stamp_ns, values)
+        else:
+            self._commands[topic].append((stamp_ns, values))
         self.newest[topic] = max(self.newest[topic], stamp_ns)
         if topic == "flight_state" and self.ended_at is None and flight_state_from_code(values[0]).ended:
             self.ended_at = stamp_ns
@@ -92,8 +116,12 @@ class BenchSimulator:
         if (stage := self._take("flight_state", due_ns)) is not None:
             state = flight_state_from_code(stage[0])
             self.bench.set_homing(state is FlightState.HOMING)
-        if is_pwm_tick(self.stamp_ns) and (servo := self._take("servo_command", due_ns)) is not None:
-            self.bench.set_servo_command(servo[0], servo[1], servo[2], servo[3])
+            self.bench.set_fan(stage[_FAN])
+        if is_pwm_tick(self.stamp_ns):
+            delay = self.bench.faults.link_delay_ns(self.stamp_ns)
+            self._link.set_dead_time(self.bench.parameters.link.dead_time_ns + delay)
+            if (servo := self._link.take(due_ns)) is not None:
+                self.bench.set_servo_command(servo[0], servo[1], servo[2], servo[3])
 
     def _take(self, topic: str, due_ns: int) -> Sequence[float] | None:
         """The newest command stamped not later than `due_ns`; older ones are superseded."""
@@ -108,33 +136,73 @@ class BenchSimulator:
         self._commands["motor_command"].clear()
         self.bench.set_motor_voltage(0.0)
 
+    def request_fault(self, text: str) -> None:
+        """Let something go wrong from the next control tick on.
+
+        Args:
+            text: for example `encoder_stuck encoder=arm_1 for_s=2`.
+
+        Raises:
+            InputError: names the key, the value and what is allowed.
+        """
+        ticks = self.stamp_ns // CONTROL_PERIOD_NS + 1
+        self.bench.add_fault(fault_from_text(text, now_ns=ticks * CONTROL_PERIOD_NS))
+
+    def remarks(self) -> dict[str, str]:
+        """What a flight's record says of the bench: late commands, and where the model did not hold."""
+        said = {f"late_{topic}": str(count) for topic, count in self.late.items()}
+        for name, (stamp_ns, violation) in self.left_regime.items():
+            said[f"regime_{name}"] = f"{violation}, first at {stamp_ns * 1e-9:.2f} s"
+        return said
+
+    def _watch_regime(self) -> None:
+        if not self.bench.on_stop:  # standing there with a slow rotor is no flight
+            for violation in self.bench.violations:
+                self.left_regime.setdefault(violation.name, (self.stamp_ns, violation))
+
     def _sample(self) -> list[Message]:
         stamp, bench = self.stamp_ns, self.bench
-        reading = bench.encoder_reading()
+        reading, imu = bench.encoder_reading(), bench.imu_reading()
         indexed = [float(flag) for flag in reading.indexed]
-        messages = [Message("encoders", stamp, (*reading.angle, *_zeros(6), *indexed))]
+        messages = [
+            Message("encoders", stamp, (*reading.angle, *_zeros(6), *indexed)),
+            Message("imu", stamp, imu_values(imu.gyro, imu.accelerometer, self._imu_variances, imu.valid)),
+        ]
         if is_control_tick(stamp):
-            truth = VehicleState(bench.position, bench.attitude, bench.velocity, bench.rates)
-            blade = bench.actuator_state()
-            saturated = (float(blade.saturated),) * 4
-            messages += [
-                Message("rotor", stamp, (0.0, bench.rotor_speed, 0.0)),
-                Message(
-                    "actuator_state",
-                    stamp,
-                    (
-                        *blade.angles,
-                        0.0,
-                        *blade.angle_rates,
-                        blade.motor_speed,
-                        *saturated,
-                        blade.motor_torque,
-                    ),
-                ),
-                Message("ground_truth", stamp, odometry_values(truth, _NO_VARIANCE, _NO_VARIANCE)),
-                Message("clock", stamp, ()),
-            ]
+            messages += self._truth(stamp)
+        if stamp % REGIME_PERIOD_NS == 0:
+            self._watch_regime()
         return messages
+
+    def _truth(self, stamp: int) -> list[Message]:
+        bench = self.bench
+        truth = VehicleState(bench.position, bench.attitude, bench.velocity, bench.rates)
+        blade = bench.actuator_state()
+        saturated = (float(blade.saturated),) * 4
+        actuators = (
+            *blade.angles,
+            0.0,
+            *blade.angle_rates,
+            blade.motor_speed,
+            *saturated,
+            blade.motor_torque,
+        )
+        gyro, accelerometer = bench.imu_bias[:3].tolist(), bench.imu_bias[3:].tolist()
+        condition = (
+            *swap_body(gyro),
+            *swap_body(accelerometer),
+            bench.fan_speed,
+            bench.gust_yaw,
+            *bench.faults.values(stamp),
+        )
+        return [
+            Message("rotor", stamp, (0.0, bench.rotor_reading(), 0.0)),
+            Message("actuator_state", stamp, actuators),
+            Message("ground_truth", stamp, odometry_values(truth, _NO_VARIANCE, _NO_VARIANCE)),
+            Message("wind", stamp, wind_values(bench.wind)),
+            Message("bench_condition", stamp, condition),
+            Message("clock", stamp, ()),
+        ]
 
 
 def _zeros(count: int) -> tuple[float, ...]:

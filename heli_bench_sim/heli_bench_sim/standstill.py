@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 
 
-@compiled
+@equation
 def reciprocal_speed(omega: float, fade_speed: float) -> float:
     """1/Omega above the fade speed, going smoothly (twice differentiable) to 0 at standstill.
 

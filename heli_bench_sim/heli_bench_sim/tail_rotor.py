@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from heli_bench_sim.parameters import Constants
 from heli_bench_sim.standstill import reciprocal_speed
-from heli_common.compiled import compiled
+from heli_common.compiled import equation
 
 
-@compiled
+@equation
 def thrust(theta_t: float, omega: float, v_t: float, v_a: float, r: float, c: Constants) -> float:
     """Tail thrust T_t [N], positive along body y.
 
@@ -30,7 +30,7 @@ def thrust(theta_t: float, omega: float, v_t: float, v_a: float, r: float, c: Co
     )
 
 
-@compiled
+@equation
 def torque(thrust: float, theta_t: float, omega: float, v_t: float, c: Constants) -> float:
     """Torque Q_t [N m] that the air takes from the tail shaft; it pitches the body up.
 

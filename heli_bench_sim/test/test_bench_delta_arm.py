@@ -55,6 +55,18 @@ def test_forward_undoes_inverse_over_the_work_space(radius: float, bearing: floa
     assert np.abs(forward(angles) - position).max() < 1e-9
 
 
+def test_forward_undoes_inverse_on_every_face_of_the_work_space() -> None:
+    """Draws seldom touch a face: bottom, top, rim and their edges, two degrees apart."""
+    rim = [(0.5, height) for height in np.linspace(0.45, 1.25, 5)]
+    ends = [(radius, height) for radius in (0.0, 0.1, 0.25, 0.4) for height in (0.45, 1.25)]
+    worst = 0.0
+    for bearing in np.linspace(-math.pi, math.pi, 181):
+        for radius, height in rim + ends:
+            position = np.array([radius * math.cos(bearing), radius * math.sin(bearing), 0.90 - height])
+            worst = max(worst, float(np.abs(forward(arm_angles(position, GEOMETRY)) - position).max()))
+    assert worst < 1e-9
+
+
 @settings(deadline=None, max_examples=30)
 @given(st.floats(0.0, 0.5), st.floats(-math.pi, math.pi), st.floats(0.45, 1.25))
 def test_a_third_of_a_turn_passes_the_angles_on(radius: float, bearing: float, height: float) -> None:
@@ -76,6 +88,22 @@ def test_pose_out_of_reach_is_an_error_with_the_pose(position: tuple[float, floa
 def test_pose_that_is_no_number_is_an_error_too() -> None:
     with pytest.raises(ValueError, match="nan"):
         arm_angles(np.array([0.0, math.nan, 0.0]), GEOMETRY)
+
+
+@settings(deadline=None, max_examples=200)
+@given(st.tuples(*(st.floats(-2.0, 2.0) for _ in range(3))))
+def test_any_position_has_its_forearms_length_or_is_refused_by_name(
+    position: tuple[float, float, float],
+) -> None:
+    try:
+        angles = arm_angles(np.array(position), GEOMETRY)
+    except ValueError as refused:
+        assert repr(position) in str(refused)
+        return
+    for azimuth, angle in zip(np.radians([0.0, 120.0, 240.0]), angles, strict=True):
+        out = 0.30 - 0.06 + 0.75 * math.cos(angle)
+        elbow = (out * math.cos(azimuth), out * math.sin(azimuth), 0.90 - 0.75 * math.sin(angle))
+        assert math.dist(elbow, position) == pytest.approx(0.90, abs=1e-7)
 
 
 def test_stops_bite_before_the_arms_are_out_of_reach() -> None:

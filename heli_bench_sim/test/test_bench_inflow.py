@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from heli_bench_sim import airframe, drive, inflow
-from heli_bench_sim.helicopter import validity
 from heli_bench_sim.parameters import constants, thesis
 from heli_bench_sim.states import State
 from heli_bench_sim.trim import trim
+from heli_bench_sim.validity import violations
 
 P = thesis()
 C = constants(P)
@@ -66,8 +66,7 @@ def test_validity_flags() -> None:
         moved = state.copy()
         for name, value in change.items():
             moved[State[name]] = value
-        found = validity(moved, inputs, np.zeros(3), C)
-        return {name for name, flag in found._asdict().items() if flag}
+        return {violation.name for violation in violations(moved, inputs, np.zeros(3), C)}
 
     assert flags() == set()
     assert flags(w=1.0) == set()
@@ -75,6 +74,15 @@ def test_validity_flags() -> None:
     assert "windmill" in flags(w=30.0)
     assert flags(Omega=10.0) == {"underspeed"}
     assert "stall" in flags(V_i=-5.0)
+
+
+def test_a_violation_names_quantity_value_and_bound() -> None:
+    point = trim(P)
+    state = point.state
+    state[State.Omega] = 10.0
+    (violation,) = violations(state, point.inputs, np.zeros(3), C)
+    assert violation.bound == pytest.approx(0.2 * 163.363)
+    assert str(violation) == "underspeed: rotor speed [rad/s] 10 is below 32.7"
 
 
 def test_current_by_hand_and_its_limits() -> None:

@@ -7,24 +7,28 @@ import pytest
 from numpy.typing import NDArray
 
 from heli_bench_sim import bench as bench_module
-from heli_bench_sim.bench import INTEGRATION_STEPS, Bench, BenchParameters
+from heli_bench_sim.bench import REFINEMENT, Bench, BenchParameters
 from heli_bench_sim.bench_parameters import bench_constants
 from heli_bench_sim.motion import (
+    AIR_SIZE,
     BENCH_STATE_SIZE,
     COMMAND_SIZE,
-    NO_HAND,
     WORK_ROWS,
     BenchState,
-    advance,
     advance_batch,
 )
 from heli_bench_sim.parameters import thesis
 from heli_bench_sim.states import State
 from heli_bench_sim.trim import trim
+from heli_common.records import boxed
 from heli_common.timing import SENSOR_PERIOD
 
 Array = NDArray[np.float64]
 HOVER = trim(thesis())
+
+
+def work() -> Array:
+    return np.empty((WORK_ROWS, BENCH_STATE_SIZE))
 
 
 def run(bench: Bench, seconds: float) -> None:
@@ -58,7 +62,7 @@ def test_bench_begins_at_rest_and_stays_there() -> None:
     assert bench.on_stop
     assert bench.normal_force == pytest.approx(7.3 * 9.81, rel=1e-6)
     assert bench.encoder_reading().counts.tolist() == [0] * 6
-    assert bench.validity.underspeed
+    assert [violation.name for violation in bench.violations] == ["underspeed"]
 
 
 def test_commands_reach_the_blades() -> None:
@@ -129,7 +133,7 @@ def test_placed_at_trim_it_hovers() -> None:
     assert bench.position == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
     assert bench.rotor_speed == pytest.approx(163.363, rel=1e-9)
     assert bench.actuator_state().motor_current == pytest.approx(HOVER.I_motor, rel=1e-9)
-    assert not any(bench.validity)
+    assert bench.violations == ()
     assert not bench.on_stop
 
 
@@ -189,9 +193,9 @@ def test_nobody_reaches_into_a_turning_rotor() -> None:
         bench.set_homing(True)
 
 
-def respond(steps: int, monkeypatch: pytest.MonkeyPatch) -> Array:
+def respond(refinement: int, monkeypatch: pytest.MonkeyPatch) -> Array:
     """10 s of open-loop flight from trim, shaken by the cyclic for 4 s."""
-    monkeypatch.setattr(bench_module, "INTEGRATION_STEPS", steps)
+    monkeypatch.setattr(bench_module, "REFINEMENT", refinement)
     bench, path = hovering(), []
     b_1s, a_1s, theta_0, theta_t, voltage = HOVER.inputs[[0, 1, 2, 3, 4]]
     bench.set_motor_voltage(voltage)
@@ -210,21 +214,21 @@ def respond(steps: int, monkeypatch: pytest.MonkeyPatch) -> Array:
 def test_half_the_step_changes_ten_seconds_of_flight_by_less_than_a_tenth_of_a_millimetre(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    chosen, halved = respond(INTEGRATION_STEPS, monkeypatch), respond(2 * INTEGRATION_STEPS, monkeypatch)
+    chosen, halved = respond(REFINEMENT, monkeypatch), respond(2 * REFINEMENT, monkeypatch)
     assert np.ptp(chosen[:, 0]) > 0.2
     assert np.abs(chosen - halved).max() < 1e-4
 
 
 def test_integration_is_of_fourth_order() -> None:
     """Smooth free flight: half the step, a sixteenth of the error."""
-    c = bench_constants(BenchParameters())
+    box = boxed(bench_constants(BenchParameters()))
     begin = hovering(u=0.5, q=0.3, p=-0.2).whole_state
     command = hovering().command
 
     def flown(steps: int) -> Array:
-        state, work = begin.copy(), np.empty((WORK_ROWS, BENCH_STATE_SIZE))
-        advance(state, command, np.zeros(3), NO_HAND, 0.2, steps, c, work)
-        return state
+        states = begin[np.newaxis].copy()
+        advance_batch(states, command[np.newaxis], np.zeros((1, AIR_SIZE)), 0.2, steps, box, work())
+        return np.asarray(states[0])
 
     exact = flown(4096)
     coarse, fine = (np.abs(flown(steps) - exact).max() for steps in (64, 128))
@@ -232,16 +236,16 @@ def test_integration_is_of_fourth_order() -> None:
 
 
 def test_batch_equals_single_benches_bit_by_bit() -> None:
-    c = bench_constants(BenchParameters())
+    box = boxed(bench_constants(BenchParameters()))
     benches = [hovering(u=0.1 * k, phi=0.05 * k, z=-0.1 * k) for k in range(3)]
-    winds = np.array([[0.0, 0.0, 0.0], [-2.0, 0.5, 0.0], [1.0, 0.0, -0.3]])
+    airs = np.array([[0.0, 0.0, 0.0, 0.0], [-2.0, 0.5, 0.0, 0.0], [1.0, 0.0, -0.3, 0.0]])
     states = np.array([bench.whole_state for bench in benches])
     commands = np.array([bench.command for bench in benches])
     assert commands.shape == (3, COMMAND_SIZE)
-    for bench, wind in zip(benches, winds, strict=True):
-        bench.set_wind(tuple(wind))
+    for bench, air in zip(benches, airs, strict=True):
+        bench.set_wind(tuple(air[:3]))
     for _ in range(200):
-        advance_batch(states, commands, winds, SENSOR_PERIOD, INTEGRATION_STEPS, c)
+        advance_batch(states, commands, airs, SENSOR_PERIOD, REFINEMENT, box, work())
         for bench in benches:
             bench.advance()
     for row, bench in zip(states, benches, strict=True):

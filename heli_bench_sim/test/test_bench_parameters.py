@@ -9,6 +9,7 @@ from heli_bench_sim.bench_parameters import BenchParameters
 from heli_bench_sim.parameters import PARAMETER_SETS, HelicopterParameters, constants, physical_tail, thesis
 from heli_common.errors import InputError
 from heli_common.quantities import about, from_mapping
+from heli_common.records import as_dict
 
 GROUPS = [type(getattr(BenchParameters(), field.name)) for field in dataclasses.fields(BenchParameters)]
 
@@ -45,8 +46,9 @@ def test_the_two_sets_differ_where_spec_says() -> None:
 
 
 def test_constants_are_all_floats() -> None:
-    for name, value in constants(thesis())._asdict().items():
-        assert type(value) is float, name
+    packed_constants = constants(thesis())
+    for name, value in as_dict(packed_constants).items():
+        assert isinstance(value, float), name
 
 
 def test_unknown_and_wild_values_are_refused() -> None:

@@ -30,9 +30,7 @@ def mixed(b_1s: float, a_1s: float, theta_0: float, theta_t: float) -> Array:
 
 
 def unmixed(shafts: Array) -> Array:
-    out = np.empty(4)
-    unmix(shafts, C, out)
-    return out
+    return np.array(unmix(shafts, 0, C))
 
 
 def test_mixing_by_hand() -> None:

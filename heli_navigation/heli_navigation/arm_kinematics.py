@@ -7,12 +7,13 @@ radius, is the centre c_i of a sphere of forearm length on which the platform po
     |p - c_i| = f
 
 in earth NED [m] about the flight-space centre, h above the base plane. Three spheres meet in two points; the
-platform is the upper one, because it starts above the fold and cannot pass through it.
+platform is the upper one, because it starts above the fold and cannot pass through it. Backwards each arm
+stands alone: the elbow is the outer of the two points in which its circle cuts the forearm's sphere.
 """
 
 from __future__ import annotations
 
-from math import cos, sin, sqrt
+from math import atan2, cos, dist, sin, sqrt
 
 from heli_common.rig_geometry import ARM_AZIMUTH, RigGeometry
 from heli_common.rotations import Matrix3, Vector3
@@ -22,6 +23,10 @@ _RADIAL = tuple((cos(azimuth), sin(azimuth)) for azimuth in ARM_AZIMUTH)
 
 _SMALLEST = 1e-3
 """Elbows nearer to each other or to one line [m], or a forearm tip nearer to their plane, are degenerate."""
+
+
+ROUND_TRIP = 1e-9
+"""Furthest that a position may come back from its own angles [m] (spec 2.1)."""
 
 
 def position_from_arms(angles: Vector3, geometry: RigGeometry) -> Vector3:
@@ -73,6 +78,47 @@ def position_from_arms(angles: Vector3, geometry: RigGeometry) -> Vector3:
             f"not above the fold at {geometry.fold_height:.3f} m"
         )
     return position
+
+
+def arms_from_position(position: Vector3, geometry: RigGeometry) -> Vector3:
+    """Inverse kinematics: the arm angles with which `position_from_arms` gives this position.
+
+    With the platform at distance o outward of the shifted pivot, s aside and H above it, the forearm's length
+    makes o cos alpha + H sin alpha = e, where 2 l e = o^2 + s^2 + H^2 + l^2 - f^2; of its two roots the elbow
+    further out is tan(alpha / 2) = (e - o) / (H + sqrt(o^2 + H^2 - e^2)).
+
+    Args:
+        position: of the platform point in earth NED about the flight-space centre [m].
+        geometry: of the rig.
+
+    Returns:
+        alpha of the arms 1, 2, 3 from the horizontal, outward, up positive [rad].
+
+    Raises:
+        ValueError: an arm does not reach there, or the position does not come back from the angles because it
+            is not above the fold or the posture is degenerate; the message holds the position.
+    """
+    north, east, down = position
+    height = geometry.centre_height - down
+    upper, forearm = geometry.upper_arm, geometry.forearm
+    angles = []
+    for along, across in _RADIAL:
+        outward = north * along + east * across - (geometry.base_radius - geometry.platform_radius)
+        aside = east * along - north * across
+        excess = outward * outward + aside * aside + height * height + (upper - forearm) * (upper + forearm)
+        needed = 0.5 * excess / upper
+        square = outward * outward + height * height - needed * needed
+        if not square >= 0.0:
+            raise ValueError(f"position {position} m (NED) is out of the arms' reach")
+        angles.append(2.0 * atan2(needed - outward, height + sqrt(square)))
+    found = (angles[0], angles[1], angles[2])
+    try:
+        there = position_from_arms(found, geometry)
+    except ValueError as error:
+        raise ValueError(f"position {position} m (NED) does not come back from its angles: {error}") from None
+    if dist(there, position) > ROUND_TRIP:
+        raise ValueError(f"position {position} m (NED) is not above the fold of the arms")
+    return found
 
 
 def arm_jacobian(angles: Vector3, position: Vector3, geometry: RigGeometry) -> Matrix3:

@@ -10,7 +10,12 @@ from hypothesis import strategies as st
 
 from heli_common.rig_geometry import ARM_AZIMUTH, RADIAN_PER_COUNT, RigGeometry
 from heli_common.rotations import Vector3
-from heli_navigation.arm_kinematics import arm_jacobian, position_from_arms, position_variance
+from heli_navigation.arm_kinematics import (
+    arm_jacobian,
+    arms_from_position,
+    position_from_arms,
+    position_variance,
+)
 
 GEOMETRY = RigGeometry()
 
@@ -70,11 +75,67 @@ def test_forward_undoes_inverse_in_the_work_space(position: Vector3) -> None:
     assert math.dist(found, position) < 1e-9
 
 
-def test_forward_undoes_inverse_on_the_rim_of_the_work_space() -> None:
-    for azimuth in np.linspace(0.0, 2.0 * math.pi, 73):
-        for height in (GEOMETRY.work_bottom, 0.9, GEOMETRY.work_top):
-            position = cylinder(GEOMETRY.work_radius, azimuth, height)
-            assert math.dist(position_from_arms(arms_of(position), GEOMETRY), position) < 1e-9
+@settings(deadline=None, max_examples=300)
+@given(work_space)
+def test_the_pair_is_an_identity_in_the_work_space(position: Vector3) -> None:
+    angles = arms_from_position(position, GEOMETRY)
+    assert angles == pytest.approx(arms_of(position), abs=1e-12)
+    assert math.dist(position_from_arms(angles, GEOMETRY), position) < 1e-9
+    back = arms_from_position(position_from_arms(angles, GEOMETRY), GEOMETRY)
+    assert back == pytest.approx(angles, abs=1e-9)
+
+
+def test_the_pair_is_an_identity_on_every_face_of_the_work_space() -> None:
+    """Draws seldom touch a face: bottom, top, rim and their edges, a degree apart."""
+    worst = 0.0
+    for azimuth in np.linspace(0.0, 2.0 * math.pi, 361):
+        for radius, height in (
+            (0.0, GEOMETRY.work_bottom),
+            (0.0, GEOMETRY.work_top),
+            *((GEOMETRY.work_radius, height) for height in np.linspace(0.45, 1.25, 9)),
+            *((radius, GEOMETRY.work_bottom) for radius in (0.1, 0.25, 0.4)),
+            *((radius, GEOMETRY.work_top) for radius in (0.1, 0.25, 0.4)),
+        ):
+            position = cylinder(radius, azimuth, height)
+            for inverse in (arms_of(position), arms_from_position(position, GEOMETRY)):
+                worst = max(worst, math.dist(position_from_arms(inverse, GEOMETRY), position))
+    assert worst < 1e-9
+
+
+OUT_OF_REACH = "out of the arms' reach"
+BELOW = "not above the fold"
+
+
+@pytest.mark.parametrize(
+    ("position", "words"),
+    [
+        ((1.5, 0.0, 0.0), OUT_OF_REACH),
+        ((0.0, 0.0, -1.0), OUT_OF_REACH),
+        ((0.0, -0.9, -0.3), OUT_OF_REACH),
+        ((0.0, 0.0, 1e200), OUT_OF_REACH),
+        ((0.0, math.inf, 0.0), OUT_OF_REACH),
+        ((math.nan, 0.0, 0.0), OUT_OF_REACH),
+        ((0.0, 0.0, 0.55), BELOW),
+        ((0.1, -0.2, 0.6), BELOW),
+        ((0.0, 0.0, GEOMETRY.centre_height - GEOMETRY.fold_height), "do not meet|not above the fold"),
+    ],
+)
+def test_unreachable_position_is_refused_by_name(position: Vector3, words: str) -> None:
+    with pytest.raises(ValueError, match=words) as caught:
+        arms_from_position(position, GEOMETRY)
+    assert str(position) in str(caught.value)
+
+
+@settings(deadline=None, max_examples=300)
+@given(st.tuples(*(st.floats(-1.5, 1.5) for _ in range(3))))
+def test_any_position_comes_back_or_is_refused_by_name(position: Vector3) -> None:
+    try:
+        angles = arms_from_position(position, GEOMETRY)
+    except ValueError as refused:
+        assert str(position) in str(refused)
+        return
+    assert all(math.isfinite(angle) for angle in angles)
+    assert math.dist(position_from_arms(angles, GEOMETRY), position) < 1e-9
 
 
 @settings(deadline=None, max_examples=60)

@@ -23,6 +23,9 @@ STATUS_PERIOD_NS = 1_000_000_000
 IDLE_SECONDS = 0.02
 CLOSING_SECONDS = 5.0
 
+CATCH_UP_SECONDS = CONTROL_PERIOD_NS * 1e-9
+"""A bench further behind the wall clock than this does not hurry after it: its time has stood still."""
+
 
 class BenchProgram:
     """Drives a `BenchSimulator` in lockstep or in real time until the supervisor ends the flight."""
@@ -44,6 +47,8 @@ class BenchProgram:
         self._acknowledged_ns = -SENSOR_PERIOD_NS
         self._progress_at = 0.0
         self._clock_zero = 0.0
+        self._pauses: list[float] = []
+        self._left_regime = 0
         self._closing_since = 0.0
         self._latency = Latency(simulator.inputs)
         self._unpack = {topic: TOPICS[topic].layout.unpack for topic in self.inputs}
@@ -112,12 +117,21 @@ class BenchProgram:
         return " and ".join(absent) or "nothing"
 
     def _advance_real_time(self) -> float:
+        """Publish what is due and return how long until the next sample.
+
+        A bench that was itself kept from running must not make up for it in one rush, in which no command
+        can arrive: it would take its own absence for the others' silence. It moves its clock instead, and
+        the summary says how often and how long.
+        """
         simulator = self.simulator
         while True:
             due = self._clock_zero + (simulator.stamp_ns + SENSOR_PERIOD_NS) * 1e-9
             wait = due - perf_counter()
             if wait > 0.0:
                 return wait
+            if -wait > CATCH_UP_SECONDS:
+                self._pauses.append(-wait)
+                self._clock_zero -= wait
             self._refuse_silence()
             self._publish(simulator.tick())
 
@@ -136,14 +150,18 @@ class BenchProgram:
         self._connection.publish(messages)
         if is_control_tick(self.simulator.stamp_ns):
             self._latency.published(self.simulator.stamp_ns)
-        if self.simulator.stamp_ns % STATUS_PERIOD_NS == 0:
+        left = len(self.simulator.left_regime)
+        if self.simulator.stamp_ns % STATUS_PERIOD_NS == 0 or left > self._left_regime:
             self._report(self._connection, "flying")
+        self._left_regime = left
 
     def _report(self, connection: Connection, text: str) -> None:
-        late = self.simulator.late
-        values = {f"late_{topic}": str(count) for topic, count in late.items()} | {"mode": self._mode}
+        late, left = self.simulator.late, self.simulator.left_regime
+        values = self.simulator.remarks() | {"mode": self._mode}
+        if self._mode == REALTIME:
+            values |= {"pauses": str(len(self._pauses)), "paused_s": f"{sum(self._pauses):.3f}"}
         values |= self._latency.figures() if text == "ended" else {}
-        level = "warn" if any(late.values()) else "ok"
+        level = "warn" if any(late.values()) or self._pauses or left else "ok"
         connection.diagnose(self.simulator.stamp_ns, level, text, values)
 
     def _end(self, connection: Connection) -> float:

@@ -7,15 +7,24 @@ import sys
 from heli_common.nodes.runner import run_node  # first: it takes the signals before rclpy does
 
 # isort: split
+import yaml
 from rclpy.node import Node
 
 from heli_bench_sim.bench import Bench
 from heli_bench_sim.bench_parameters import BenchParameters
+from heli_bench_sim.fault_words import fault_schedule
+from heli_bench_sim.faults import FaultSchedule
 from heli_bench_sim.nodes.bench_program import LOCKSTEP, MODES, BenchProgram
 from heli_bench_sim.simulator import BenchSimulator
 from heli_bench_sim.watch import WatchParameters
 from heli_common.errors import InputError
-from heli_common.nodes.parameters import declare_groups, declare_integer, declare_parameters, declare_text
+from heli_common.nodes.parameters import (
+    declare_groups,
+    declare_integer,
+    declare_parameters,
+    declare_request,
+    declare_text,
+)
 from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
 from heli_common.topics import BENCH_SIM, TOPICS
 
@@ -32,8 +41,20 @@ def build(node: Node, running: tuple[str, ...]) -> BenchProgram:
     seed = declare_integer(node, "seed", 1, "seed of every random number of the bench", 0, 2**31 - 1)
     parameters = declare_groups(node, BenchParameters)
     watch = declare_parameters(node, WatchParameters, "watch.")
+    faults = _read_faults(declare_text(node, "faults", "[]", "what goes wrong and when, as in a plan (YAML)"))
     _warm_up(parameters)
-    return BenchProgram(BenchSimulator(Bench(parameters, seed)), mode, running, watch)
+    simulator = BenchSimulator(Bench(parameters, seed, faults=faults))
+    about = "set it to let something go wrong now, e.g. encoder_stuck encoder=arm_1 for_s=2"
+    declare_request(node, "fault", "", about, lambda text: simulator.request_fault(str(text)))
+    return BenchProgram(simulator, mode, running, watch)
+
+
+def _read_faults(text: str) -> FaultSchedule:
+    try:
+        return fault_schedule(yaml.safe_load(text))
+    except yaml.YAMLError as error:
+        problem = str(error).splitlines()[0]
+        raise InputError(f"no YAML: {problem}", allowed="a list of faults", key="faults") from None
 
 
 def _warm_up(parameters: BenchParameters) -> None:

@@ -56,8 +56,14 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numba  # noqa: E402  (the cache folder must be known first)
 
+_jit = partial(numba.njit, cache=True, fastmath=False, error_model="numpy")
+
 
 def compiled(function: Function) -> Function:
     """Compile to machine code on first use and keep it on disk; IEEE order of operations is preserved."""
-    jit = partial(numba.njit, cache=True, fastmath=False, error_model="numpy")
-    return cast(Function, jit()(function))
+    return cast(Function, _jit()(function))
+
+
+def equation(function: Function) -> Function:
+    """The same for a small equation: it becomes part of whatever calls it, to share common terms."""
+    return cast(Function, _jit(forceinline=True)(function))

@@ -214,17 +214,22 @@ def header(frame_id: str) -> Layout:
     return _finish("std_msgs/msg/Header", writer, [])
 
 
-def joint_state(frame_id: str, names: Sequence[str]) -> Layout:
-    """sensor_msgs/JointState with position, velocity and effort of every joint, in that order."""
+JOINT_QUANTITIES = ("position", "velocity", "effort")
+
+
+def joint_state(frame_id: str, names: Sequence[str], quantities: Sequence[str] = JOINT_QUANTITIES) -> Layout:
+    """sensor_msgs/JointState with the given quantities of every joint; the others stay empty lists."""
     writer = _CdrWriter()
     _header(writer, frame_id)
     writer.uint32(len(names))
     for name in names:
         writer.string(name)
-    for _ in range(3):
-        writer.uint32(len(names))
-        writer.numbers(len(names))
-    fields = [f"{quantity}.{name}" for quantity in ("position", "velocity", "effort") for name in names]
+    for quantity in JOINT_QUANTITIES:
+        count = len(names) if quantity in quantities else 0
+        writer.uint32(count)
+        if count:
+            writer.numbers(count)
+    fields = [f"{quantity}.{name}" for quantity in quantities for name in names]
     return _finish("sensor_msgs/msg/JointState", writer, fields)
 
 
@@ -242,6 +247,25 @@ def twist_stamped(frame_id: str) -> Layout:
     _header(writer, frame_id)
     writer.numbers(6)
     return _finish("geometry_msgs/msg/TwistStamped", writer, _xyz("linear") + _xyz("angular"))
+
+
+def vector3_stamped(frame_id: str) -> Layout:
+    """geometry_msgs/Vector3Stamped."""
+    writer = _CdrWriter()
+    _header(writer, frame_id)
+    writer.numbers(3)
+    return _finish("geometry_msgs/msg/Vector3Stamped", writer, _xyz("vector"))
+
+
+def imu(frame_id: str) -> Layout:
+    """sensor_msgs/Imu: attitude, angular velocity and specific force, each with covariance."""
+    writer = _CdrWriter()
+    _header(writer, frame_id)
+    writer.numbers(37)
+    fields = _xyzw("orientation") + _indexed("orientation_covariance", 9)
+    for name in ("angular_velocity", "linear_acceleration"):
+        fields += _xyz(name) + _indexed(f"{name}_covariance", 9)
+    return _finish("sensor_msgs/msg/Imu", writer, fields)
 
 
 def odometry(frame_id: str, child_frame_id: str) -> Layout:

@@ -12,7 +12,7 @@ from heli_common import layout
 from heli_common.layout import Layout
 from heli_common.rig_geometry import ENCODER_NAMES
 from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
-from heli_common.vehicle_state import BODY_FRAME, HEADING_FRAME, WORLD_FRAME
+from heli_common.vehicle_state import BODY_FRAME, HEADING_FRAME, IMU_FRAME, WORLD_FRAME
 
 BENCH_SIM = "bench_sim"
 NAVIGATION = "navigation"
@@ -24,6 +24,22 @@ RECORDER = "recorder"
 
 SERVO_CHANNELS = ("B_1s", "A_1s", "theta_0", "theta_t")
 RIG_FRAME = "rig"
+
+IMU_AXES = ("gyro_x", "gyro_y", "gyro_z", "accelerometer_x", "accelerometer_y", "accelerometer_z")
+"""Axes of the IMU; in messages FLU."""
+
+FAULT_FIELDS = (
+    "encoder_stuck",
+    "encoder_lost_counts",
+    "imu_dropout",
+    "servo_jam",
+    "supply_sag",
+    "link_delay",
+)
+"""Faults: two masks of encoders (1, 2, 4, ...), 1 or 0, mask of servos, share of the voltage, delay [s]."""
+
+BENCH_CONDITION = (*IMU_AXES, "fan", "gust_yaw", *FAULT_FIELDS)
+"""Truth beside the motion: biases of the IMU [rad/s, m/s^2], fan [m/s], the room's moment [N m], faults."""
 
 
 @dataclass(frozen=True)
@@ -53,9 +69,17 @@ def _joints(*names: str) -> Layout:
 
 _TABLE = (
     Topic("encoders", _joints(*ENCODER_NAMES), SENSOR_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
+    Topic("imu", layout.imu(IMU_FRAME), SENSOR_PERIOD_NS, BENCH_SIM),
     Topic("rotor", _joints("rotor"), CONTROL_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
     Topic("actuator_state", _joints(*SERVO_CHANNELS, "motor"), CONTROL_PERIOD_NS, BENCH_SIM),
     Topic("ground_truth", layout.odometry(WORLD_FRAME, BODY_FRAME), CONTROL_PERIOD_NS, BENCH_SIM),
+    Topic("wind", layout.vector3_stamped(WORLD_FRAME), CONTROL_PERIOD_NS, BENCH_SIM),
+    Topic(
+        "bench_condition",
+        layout.joint_state(RIG_FRAME, BENCH_CONDITION, ("position",)),
+        CONTROL_PERIOD_NS,
+        BENCH_SIM,
+    ),
     Topic("clock", layout.clock(), CONTROL_PERIOD_NS, BENCH_SIM, hashed=False),
     Topic(
         "odometry",
@@ -67,7 +91,7 @@ _TABLE = (
     Topic("rotor_state", _joints("rotor"), CONTROL_PERIOD_NS, NAVIGATION, (SUPERVISOR, MOTOR_CONTROLLER)),
     Topic(
         "flight_state",
-        _joints("flight_state", "rotor"),
+        _joints("flight_state", "rotor", "fan"),
         CONTROL_PERIOD_NS,
         SUPERVISOR,
         (BENCH_SIM, MOTOR_CONTROLLER, POSITION_CONTROLLER, ATTITUDE_CONTROLLER),

@@ -22,6 +22,7 @@ from heli_common.rotations import (
 
 WORLD_FRAME = "world"
 BODY_FRAME = "base_link"
+IMU_FRAME = "imu_link"
 HEADING_FRAME = "heading"
 
 _HALF = sqrt(0.5)
@@ -125,6 +126,45 @@ def twist_from_values(values: Sequence[float]) -> tuple[Vector3, Vector3]:
         swap_body((values[0], values[1], values[2])),
         swap_body((values[3], values[4], values[5])),
     )
+
+
+def imu_values(
+    gyro: Vector3, accelerometer: Vector3, variances: tuple[float, float], valid: bool = True
+) -> tuple[float, ...]:
+    """Numbers of an Imu (layout `imu`) in FLU from readings in FRD; the attitude is marked unknown (REP 145).
+
+    Args:
+        gyro: body rates, FRD [rad/s].
+        accelerometer: specific force, FRD [m/s^2].
+        variances: of one gyro [rad^2/s^2] and one accelerometer sample [m^2/s^4].
+        valid: False marks both readings as not measured at this sample.
+    """
+    known = 1.0 if valid else 0.0
+    unknown = known - 1.0
+    covariances = [
+        (known * variance + unknown, 0.0, 0.0, 0.0, known * variance, 0.0, 0.0, 0.0, known * variance)
+        for variance in variances
+    ]
+    return (
+        *(0.0, 0.0, 0.0, 1.0),
+        *(-1.0, *(0.0,) * 8),
+        *swap_body(gyro),
+        *covariances[0],
+        *swap_body(accelerometer),
+        *covariances[1],
+    )
+
+
+def imu_from_values(values: Sequence[float]) -> tuple[Vector3, Vector3, bool]:
+    """Body rates [rad/s] and specific force [m/s^2] in FRD, and validity, from the numbers of an Imu."""
+    gyro = swap_body((values[13], values[14], values[15]))
+    accelerometer = swap_body((values[25], values[26], values[27]))
+    return gyro, accelerometer, values[16] >= 0.0
+
+
+def wind_values(wind: Vector3) -> tuple[float, ...]:
+    """Numbers of a Vector3Stamped in ENU from a velocity of the air in NED [m/s]."""
+    return swap_earth(wind)
 
 
 def _diagonal(variances: Sequence[float]) -> tuple[float, ...]:

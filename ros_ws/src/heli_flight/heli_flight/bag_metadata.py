@@ -10,6 +10,7 @@
 | parameters, versions | JSON objects |
 | counts, losses | JSON objects, written by `BagWriter` itself |
 | late_TOPIC | how many commands of a topic came too late |
+| pauses, paused_s | real time: how often and how long the bench itself was kept from running |
 | result | why the flight ended, if not by its plan |
 """
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from heli_bench_sim.bench import Bench
 from heli_bench_sim.bench_parameters import BenchParameters
+from heli_bench_sim.faults import FaultSchedule
 from heli_bench_sim.simulator import BenchSimulator
 from heli_common import topics
 from heli_common.component import Component
@@ -13,7 +16,7 @@ from heli_control.controller_file import ControllerFile
 from heli_control.motor_control import MotorController, MotorParameters
 from heli_control.position_control import PositionController, PositionParameters
 from heli_flight.parameter_file import NodeValues
-from heli_flight.plan import Plan
+from heli_flight.plan import GUSTY, Plan
 from heli_flight.stages import FlightLimits
 from heli_flight.supervisor import Supervisor
 from heli_navigation.navigator import NavigationParameters, Navigator
@@ -21,9 +24,14 @@ from heli_navigation.navigator import NavigationParameters, Navigator
 DEFAULTS = NodeValues()
 
 
-def bench_simulator(seed: int, values: NodeValues = DEFAULTS) -> BenchSimulator:
-    """The simulated bench."""
-    return BenchSimulator(Bench(values.build_groups(topics.BENCH_SIM, BenchParameters), seed))
+def bench_simulator(seed: int, values: NodeValues = DEFAULTS, plan: Plan | None = None) -> BenchSimulator:
+    """The simulated bench, in the room and with the faults of a plan."""
+    parameters = values.build_groups(topics.BENCH_SIM, BenchParameters)
+    if plan is None:
+        return BenchSimulator(Bench(parameters, seed))
+    if plan.room == GUSTY:
+        parameters = replace(parameters, room=replace(parameters.room, active=1.0))
+    return BenchSimulator(Bench(parameters, seed, faults=FaultSchedule(plan.faults)))
 
 
 def supervisor(plan: Plan, values: NodeValues = DEFAULTS) -> Supervisor:

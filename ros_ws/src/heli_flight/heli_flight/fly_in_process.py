@@ -28,7 +28,7 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
     """
     started = perf_counter()
     values = read_parameters(order.parameters) if order.parameters else DEFAULTS
-    bench = bench_simulator(order.seed, values)
+    bench = bench_simulator(order.seed, values, order.plan)
     leader = supervisor(order.plan, values)
     bag = BagWriter(order.bag, order.notes())
     recorded = frozenset(DATA_TOPICS)
@@ -55,7 +55,6 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
     except KeyboardInterrupt:
         code, reason = EXIT_INTERRUPTED, "interrupted"
     finally:
-        late = {f"late_{topic}": str(count) for topic, count in bench.late.items()}
-        bag.close(late | ({"result": reason} if reason else {}))
+        bag.close(bench.remarks() | ({"result": reason} if reason else {}))
     simulated = max(bench.stamp_ns, -SENSOR_PERIOD_NS) * 1e-9
     return FlightEnd(code, reason, simulated, perf_counter() - started)

@@ -14,7 +14,14 @@ phases:
   - step: {axis: psi, amplitude_deg: 20.0, duration: 6.0}
   - land: {}
   - run_down: {}
+room: gusty                 # still (default), or gusty: the rotor's own air comes back from floor and ceiling
+faults:                     # default none; `heli_bench_sim.fault_words` shows every kind
+  - {kind: encoder_stuck, encoder: arm_1, at_s: 40.0, for_s: 2.0}
 ```
+
+Every phase may carry `wind_m_s`, the speed asked of the fan from its start on, 0 .. 8 m/s. It is kept until
+changed and is 0 at first. A phase with a duration may carry `wind_to_m_s` too: the speed asked for goes there
+steadily while the phase lasts, as in `hover: {duration: 20.0, wind_m_s: 0.0, wind_to_m_s: 5.0}`.
 
 Axes are those of the thesis: x ahead (north), y right (east), z down, psi about z. Steps are relative to the
 reference before them. Heights are of the platform, above the centre of the flight space.
@@ -24,30 +31,29 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
-from math import degrees, radians
 from pathlib import Path
 
 import yaml
 
+from heli_bench_sim.fault_words import fault_schedule, to_mappings
+from heli_bench_sim.faults import Fault
 from heli_common.errors import InputError
-from heli_common.quantities import Quantity, about, check_number
 from heli_flight.bag_metadata import dump_yaml
+from heli_flight.phase_words import phase_mapping, read_phase
 from heli_flight.plan_file import integer_at, read_mapping, read_text, refuse_unknown, text_at
 from heli_flight.plan_phases import (
-    AXES,
     Home,
     Hover,
     Land,
-    NumbersOnly,
     Phase,
     RunDown,
     RunUp,
     Step,
     TakeOff,
+    wind_command,
 )
-from heli_flight.plan_rules import check_order, check_work_space
+from heli_flight.plan_rules import check_faults, check_order, check_work_space
 
 __all__ = [
     "Home",
@@ -62,6 +68,7 @@ __all__ = [
     "load_plan",
     "parse_plan",
     "shipped_plans",
+    "wind_command",
 ]
 
 PLAN_FOLDER = Path(__file__).parent / "plans"
@@ -70,12 +77,8 @@ STOP_HEIGHT = -0.45
 SETTLING_TIME = 3.0
 """What taking up the load and settling add to a take-off, in an estimate of the duration [s]."""
 
-_AMPLITUDE = Quantity("m", "D", "size of the step", -0.8, 0.8)
-_AMPLITUDE_DEG = Quantity("deg", "D", "size of the step", -180.0, 180.0)
-_SMALLEST = {"m": 0.02, "deg": 2.0}
-_NUMBERS_ONLY: dict[str, type[NumbersOnly]] = {
-    kind.key: kind for kind in (Home, RunUp, TakeOff, Hover, Land, RunDown)
-}
+STILL, GUSTY = "still", "gusty"
+ROOMS = (STILL, GUSTY)
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,8 @@ class Plan:
         seed: of all random numbers.
         controller: name of a shipped controller, or a path.
         phases: in the order of flying.
+        room: `still`, or `gusty` with recirculation of the rotor's air.
+        faults: that the bench shall have, in the order of the file.
     """
 
     name: str
@@ -95,6 +100,8 @@ class Plan:
     seed: int
     controller: str
     phases: tuple[Phase, ...]
+    room: str = STILL
+    faults: tuple[Fault, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -115,9 +122,15 @@ class Plan:
     def to_yaml(self) -> str:
         """The plan as a file that reads back to an equal plan."""
         head = {"name": self.name, "about": self.about, "seed": self.seed, "controller": self.controller}
-        phases = [{phase.key: _settings(phase)} for phase in self.phases]
-        lines = [yaml.safe_dump(phase, default_flow_style=None, sort_keys=False) for phase in phases]
-        return dump_yaml(head) + "phases:\n" + "".join(f"  - {line}" for line in lines)
+        room = {} if self.room == STILL else {"room": self.room}
+        text = dump_yaml(head | room) + _listed("phases", [phase_mapping(phase) for phase in self.phases])
+        return text + (_listed("faults", to_mappings(self.faults)) if self.faults else "")
+
+
+def _listed(key: str, entries: list[dict[str, object]]) -> str:
+    """A list of mappings, one line each."""
+    lines = [yaml.safe_dump(entry, default_flow_style=None, sort_keys=False, width=1000) for entry in entries]
+    return f"{key}:\n" + "".join(f"  - {line}" for line in lines)
 
 
 def shipped_plans() -> dict[str, Path]:
@@ -160,58 +173,13 @@ def parse_plan(text: str, file: str | None = None) -> Plan:
     entries = document.get("phases")
     if not isinstance(entries, list) or not entries:
         raise InputError(f"{entries!r} is no list of phases", allowed="- home: {}", file=file, key="phases")
-    phases = tuple(_phase(entry, file, f"phases[{index}]") for index, entry in enumerate(entries))
+    phases = tuple(read_phase(entry, file, f"phases[{index}]") for index, entry in enumerate(entries))
     check_order(phases, file)
     check_work_space(phases, file)
-    return Plan(name, about_it, seed, controller, phases)
-
-
-def _phase(entry: object, file: str | None, place: str) -> Phase:
-    known = ", ".join((*_NUMBERS_ONLY, Step.key))
-    if not isinstance(entry, Mapping) or len(entry) != 1:
-        raise InputError(f"{entry!r} is no phase", allowed=f"one of {known}", file=file, key=place)
-    ((kind, settings),) = entry.items()
-    if kind not in (*_NUMBERS_ONLY, Step.key):
-        raise InputError(f"unknown phase {kind!r}", allowed=known, file=file, key=place)
-    key = f"{place}.{kind}"
-    settings = {} if settings is None else settings
-    if not isinstance(settings, Mapping):
-        raise InputError(f"{settings!r} is no mapping", allowed="{duration: 5.0}", file=file, key=key)
-    if kind == Step.key:
-        return _step(settings, file, key)
-    cls = _NUMBERS_ONLY[kind]
-    fields = {field.name: field for field in dataclasses.fields(cls)}
-    refuse_unknown(settings, fields, file, key)
-    numbers = {
-        name: check_number(value, about(fields[name]), file=file, key=f"{key}.{name}")
-        for name, value in settings.items()
-    }
-    return cls(**numbers)
-
-
-def _step(settings: Mapping[str, object], file: str | None, key: str) -> Step:
-    axis = settings.get("axis")
-    if axis not in AXES:
-        raise InputError(f"{axis!r} is no axis", allowed=", ".join(AXES), file=file, key=f"{key}.axis")
-    name, size = ("amplitude_deg", _AMPLITUDE_DEG) if axis == "psi" else ("amplitude", _AMPLITUDE)
-    refuse_unknown(settings, ("axis", name, "duration"), file, key)
-    amplitude = check_number(settings.get(name), size, file=file, key=f"{key}.{name}")
-    smallest = _SMALLEST[size.unit]
-    if abs(amplitude) < smallest:
-        allowed = f"at least {smallest:g} {size.unit} in size"
-        raise InputError(f"{amplitude!r} is too small", allowed=allowed, file=file, key=f"{key}.{name}")
-    limits = about(Step.__dataclass_fields__["duration"])
-    given = settings.get("duration", Step.duration)
-    duration = check_number(given, limits, file=file, key=f"{key}.duration")
-    return Step(str(axis), radians(amplitude) if axis == "psi" else amplitude, duration)
-
-
-def _settings(phase: Phase) -> dict[str, object]:
-    """A phase as the mapping in its file."""
-    settings: dict[str, object] = dataclasses.asdict(phase)
-    if isinstance(phase, Step) and phase.axis == "psi":
-        exact = degrees(phase.amplitude)
-        short = round(exact, 9)
-        amplitude = short if radians(short) == phase.amplitude else exact
-        return {"axis": "psi", "amplitude_deg": amplitude, "duration": phase.duration}
-    return settings
+    room = document.get("room", STILL)
+    if room not in ROOMS:
+        raise InputError(f"{room!r} is no room", allowed=", ".join(ROOMS), file=file, key="room")
+    faults = fault_schedule(document.get("faults", []), file=file, key="faults").faults
+    plan = Plan(name, about_it, seed, controller, phases, room, faults)
+    check_faults(faults, plan.duration, file)
+    return plan

@@ -1,9 +1,10 @@
-"""What makes a list of phases a flight: their order, and a reference that stays inside the work space."""
+"""What makes a list of phases a flight: order, a reference inside the work space, faults while it lasts."""
 
 from __future__ import annotations
 
 from math import degrees, hypot, radians
 
+from heli_bench_sim.faults import Fault
 from heli_common.errors import InputError
 from heli_flight.plan_phases import AXES, MAXIMUM_HEIGHT, MINIMUM_HEIGHT, Phase, Step, TakeOff
 
@@ -64,3 +65,22 @@ def check_work_space(phases: tuple[Phase, ...], file: str | None) -> None:
             here, allowed = f"{radius:.2f} m from the axis", f"at most {MAXIMUM_RADIUS:.2f} m"
         if outside:
             raise InputError(f"takes the reference to {here}", allowed=allowed, file=file, key=key)
+
+
+def check_faults(faults: tuple[Fault, ...], duration: float, file: str | None) -> None:
+    """Refuse faults that would begin when the flight is over.
+
+    Args:
+        faults: in the order of the file.
+        duration: estimate of the flight's duration [s].
+        file: named in errors.
+
+    Raises:
+        InputError: names the first such fault.
+    """
+    for index, fault in enumerate(faults):
+        start = fault.start_ns / 1e9
+        if start >= duration:
+            allowed = f"below {duration:.1f} s, the duration of the plan"
+            key = f"faults[{index}].at_s"
+            raise InputError(f"{start:g} is after the flight", allowed=allowed, file=file, key=key)

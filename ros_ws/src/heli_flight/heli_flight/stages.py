@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -10,7 +11,18 @@ from heli_common.flight_state import FlightState
 from heli_common.quantities import quantity
 from heli_common.rotations import Vector3, wrap
 from heli_common.vehicle_state import VehicleState
-from heli_flight.plan import Home, Hover, Land, Phase, RunDown, RunUp, Step, TakeOff
+from heli_flight.plan_phases import (
+    Home,
+    Hover,
+    Land,
+    Phase,
+    RunDown,
+    RunUp,
+    Step,
+    TakeOff,
+    commands_wind,
+    wind_command,
+)
 
 SPOOL_TIME = 2.5
 """The rotor takes the load up before the reference leaves the stop [s] (D)."""
@@ -34,12 +46,14 @@ class Reference:
         position: NED reference [m].
         heading: yaw reference [rad].
         rotor_speed: reference [rad/s], 0 for a rotor at rest.
+        wind: speed asked of the wind generator [m/s].
     """
 
     state: FlightState = FlightState.IDLE
     position: Vector3 = (0.0, 0.0, 0.0)
     heading: float = 0.0
     rotor_speed: float = 0.0
+    wind: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -71,11 +85,22 @@ See = Callable[[], Observation]
 
 
 def run_phase(phase: Phase, reference: Reference, see: See, limits: FlightLimits) -> Stage:
-    """The stage of a phase: advance it at every control tick until it ends.
+    """The stage of a phase with its wind: advance it at every control tick until it ends.
 
     Raises:
         SafetyStop: while advanced, if the phase cannot be completed.
     """
+    if not commands_wind(phase):
+        yield from _stage(phase, reference, see, limits)
+        return
+    before, start = reference.wind, see().time
+    for _ in _stage(phase, reference, see, limits):
+        reference.wind = wind_command(phase, see().time - start, before)
+        yield
+    reference.wind = wind_command(phase, math.inf, before)  # a ramp ends exactly at its end
+
+
+def _stage(phase: Phase, reference: Reference, see: See, limits: FlightLimits) -> Stage:
     if isinstance(phase, Home):
         return _home(phase, reference, see)
     if isinstance(phase, RunUp):

@@ -7,12 +7,14 @@ from collections import deque
 from collections.abc import Sequence
 
 from heli_common.component import Message, StampJoin
-from heli_common.errors import SafetyStop
+from heli_common.errors import InputError, SafetyStop
 from heli_common.flight_state import FlightState
+from heli_common.quantities import check_number
 from heli_common.rotations import Euler
 from heli_common.topics import SUPERVISOR
 from heli_common.vehicle_state import pose_values, state_from_odometry
 from heli_flight.plan import Home, Hover, Land, Phase, Plan, RunDown, RunUp, TakeOff
+from heli_flight.plan_phases import WIND
 from heli_flight.stages import FlightLimits, Observation, Reference, Stage, run_phase
 
 COMMANDS: dict[str, tuple[Phase, ...]] = {
@@ -72,7 +74,7 @@ class Supervisor:
             except SafetyStop as stop:
                 self.reason = f"{stop} at {stamp_ns * 1e-9:.2f} s"
                 self._reference.state = FlightState.FAULT
-                self._reference.rotor_speed = 0.0
+                self._reference.rotor_speed = self._reference.wind = 0.0
         return self._messages(stamp_ns)
 
     def command(self, name: str) -> tuple[bool, str]:
@@ -101,6 +103,19 @@ class Supervisor:
         self._queue = deque(COMMANDS[name])
         self._stage = None
         return True, f"{name} begins"
+
+    def set_wind(self, speed: float) -> None:
+        """Command the wind generator; acts at the next control tick.
+
+        Args:
+            speed: of the air on its axis [m/s].
+
+        Raises:
+            InputError: a plan is being flown, or the speed is out of range.
+        """
+        if self.plan is not None:
+            raise InputError(f"plan {self.plan.name} is being flown", allowed="its own wind_m_s", key="wind")
+        self._reference.wind = check_number(speed, WIND, key="wind")
 
     def _homed(self) -> bool:
         return self._observation is not None and self._observation.vehicle.known
@@ -148,11 +163,11 @@ class Supervisor:
             self._stage = None
 
     def _finish(self) -> None:
-        self._reference.rotor_speed = 0.0
+        self._reference.rotor_speed = self._reference.wind = 0.0
         self._reference.state = FlightState.STOPPED
 
     def _messages(self, stamp_ns: int) -> list[Message]:
         reference = self._reference
-        state = (float(reference.state), 0.0, 0.0, reference.rotor_speed, 0.0, 0.0)
+        state = (float(reference.state), 0.0, 0.0, 0.0, reference.rotor_speed, reference.wind, 0.0, 0.0, 0.0)
         pose = pose_values(reference.position, Euler(reference.heading, 0.0, 0.0))
         return [Message("flight_state", stamp_ns, state), Message("reference", stamp_ns, pose)]

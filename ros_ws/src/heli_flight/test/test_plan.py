@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 
@@ -9,6 +11,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from heli_bench_sim.faults import EncoderStuck, Fault, ImuBiasJump, LinkDelay
 from heli_common.errors import InputError
 from heli_flight.plan import (
     Home,
@@ -22,6 +25,7 @@ from heli_flight.plan import (
     load_plan,
     parse_plan,
     shipped_plans,
+    wind_command,
 )
 
 GOOD = """\
@@ -140,6 +144,29 @@ MISTAKES = [
     ("axis: x, amplitude: 0.3", "axis: z, amplitude: 0.6", "phases[4].step", "height -0.50 m"),
     ("amplitude_deg: -20", "amplitude_deg: -130", "phases[5].step", "-130.0 deg"),
     ("amplitude_deg: -20", "amplitude: -0.3", "phases[5].step.amplitude", "unknown key"),
+    ("duration: 4.0", "duration: 4.0, wind_m_s: 9", "phases[3].hover.wind_m_s", "9 is out of range"),
+    ("duration: 4.0", "duration: 4.0, wind_m_s: -1", "phases[3].hover.wind_m_s", "0 .. 8 m/s"),
+    ("duration: 4.0", "duration: 4.0, wind_m_s: ", "phases[3].hover.wind_m_s", "None is not a number"),
+    ("duration: 4.0", "wind_to_m_s: .inf", "phases[3].hover.wind_to_m_s", "inf"),
+    ("duration: 4.0", "wind: 3", "phases[3].hover.wind", "duration, wind_m_s, wind_to_m_s"),
+    ("speed: 0.2", "wind_to_m_s: 3", "phases[2].take_off.wind_to_m_s", "height, speed, wind_m_s"),
+    ("axis: x", "axis: x, wind: 3", "phases[4].step.wind", "amplitude, duration, wind_m_s, wind_to_m_s"),
+    ("axis: x", "axis: x, wind_m_s: 8.1", "phases[4].step.wind_m_s", "8.1 is out of range"),
+    ("seed: 3", "seed: 3\nwind: 4", "wind", "unknown key"),
+    ("seed: 3", "seed: 3\nroom: windy", "room", "'windy' is no room (allowed: still, gusty)"),
+    ("seed: 3", "seed: 3\nroom: [still]", "room", "['still'] is no room"),
+    ("seed: 3", "seed: 3\nroom:", "room", "None is no room"),
+    ("seed: 3", "seed: 3\nfaults:", "faults", "None is no list of faults"),
+    ("seed: 3", "seed: 3\nfaults: [imu_dropout]", "faults[0]", "'imu_dropout' is no fault"),
+    ("seed: 3", "seed: 3\nfaults: [{kind: imu_drop, at_s: 1}]", "faults[0].kind", "'imu_drop' is unknown"),
+    ("seed: 3", "seed: 3\nfaults: [{kind: imu_dropout, at: 1}]", "faults[0].at_s", "is missing"),
+    (
+        "seed: 3",
+        "seed: 3\nfaults: [{kind: imu_dropout, at_s: 1}, {kind: imu_dropout, at_s: 400}]",
+        "faults[1].at_s",
+        "400 is after the flight",
+    ),
+    ("seed: 3", "seed: 3\nfaults: [{kind: imu_dropout, at_s: 1, at_s: 2}]", "", "stands twice"),
 ]
 
 
@@ -182,10 +209,93 @@ def test_steps_add_up_to_the_edge_of_the_work_space() -> None:
         parse_plan(GOOD.replace(step, step + aside))
 
 
+WINDY = GOOD.replace("duration: 4.0", "duration: 4.0, wind_m_s: 1, wind_to_m_s: 5").replace(
+    "axis: x, amplitude: 0.3", "axis: x, amplitude: 0.3, wind_m_s: 2.5"
+)
+
+
+def test_wind() -> None:
+    plan = parse_plan(WINDY)
+    calm = parse_plan(GOOD)
+    assert plan.phases[3] == Hover(4.0, wind=1.0, wind_to=5.0)
+    assert plan.phases[4] == Step("x", 0.3, 6.0, wind=2.5)
+    assert [phase.wind for phase in plan.phases] == [None, None, None, 1.0, 2.5, None, None, None]
+    assert [phase.wind for phase in calm.phases] == [None] * 8
+    assert plan.duration == calm.duration
+    assert parse_plan(plan.to_yaml()) == plan
+    assert "wind" not in calm.to_yaml() and "room" not in calm.to_yaml() and "faults" not in calm.to_yaml()
+
+
+def test_wind_command_by_hand() -> None:
+    assert wind_command(Hover(10.0), 3.0, 2.0) == 2.0
+    assert wind_command(Land(), 3.0, 2.0) == 2.0
+    assert wind_command(TakeOff(wind=4.0), 0.0, 2.0) == 4.0
+    assert wind_command(Hover(10.0, wind=4.0), 9.0, 2.0) == 4.0
+    up = Hover(10.0, wind_to=5.0)
+    assert [wind_command(up, time, 1.0) for time in (0.0, 2.5, 5.0, 10.0, 12.0, math.inf)] == [
+        1.0,
+        2.0,
+        3.0,
+        5.0,
+        5.0,
+        5.0,
+    ]
+    jump = Step("x", 0.1, 4.0, wind=8.0, wind_to=0.0)
+    assert [wind_command(jump, time, 1.0) for time in (0.0, 1.0, 4.0)] == [8.0, 6.0, 0.0]
+    assert wind_command(Hover(math.inf), math.inf, 3.0) == 3.0
+
+
+SPEED = st.floats(0.0, 8.0)
+
+
+@given(st.none() | SPEED, SPEED, SPEED, st.floats(0.5, 600.0), st.lists(st.floats(0.0, 700.0), min_size=2))
+def test_wind_ramps_run_one_way_between_their_ends(
+    start: float | None, end: float, before: float, duration: float, times: list[float]
+) -> None:
+    phase = Hover(duration, wind=start, wind_to=end)
+    first = before if start is None else start
+    speeds = [wind_command(phase, time, before) for time in sorted(times)]
+    assert all(min(first, end) <= speed <= max(first, end) for speed in speeds)
+    assert speeds == sorted(speeds, reverse=end < first)
+
+
+def test_a_room_and_faults() -> None:
+    delay = "{kind: link_delay, delay_s: 0.1, at_s: 20}"
+    stuck = "{kind: encoder_stuck, encoder: yaw, at_s: 3, for_s: 2}"
+    plan = parse_plan(f"{GOOD}room: gusty\nfaults: [{delay}, {stuck}]\n")
+    assert (plan.room, parse_plan(GOOD).room) == ("gusty", "still")
+    assert plan.faults == (
+        LinkDelay(start_ns=20_000_000_000, delay_ns=100_000_000),
+        EncoderStuck(start_ns=3_000_000_000, end_ns=5_000_000_000, encoder="yaw"),
+    )
+    assert parse_plan(GOOD).faults == () == parse_plan(GOOD + "faults: []\n").faults
+    assert parse_plan(plan.to_yaml()) == plan
+    assert "  - {kind: encoder_stuck, encoder: yaw, at_s: 3.0, for_s: 2.0}\n" in plan.to_yaml()
+
+
+def test_a_fault_must_begin_before_the_flight_is_over() -> None:
+    end = parse_plan(GOOD).duration
+    fault = f"{GOOD}faults: [{{kind: imu_dropout, at_s: %r}}]\n"
+    assert len(parse_plan(fault % (end - 0.1)).faults) == 1
+    with pytest.raises(InputError, match=rf"^my\.yaml: faults\[0\]\.at_s: .* below {end:.1f} s"):
+        parse_plan(fault % (end + 0.1), "my.yaml")
+
+
 def seconds(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(low, high).map(lambda value: round(value, 3))
 
 
+WIND = st.none() | seconds(0.0, 8.0)
+FAULTS: st.SearchStrategy[tuple[Fault, ...]] = st.lists(
+    st.sampled_from(
+        [
+            EncoderStuck(start_ns=0, encoder="roll"),
+            LinkDelay(start_ns=7_000_000_001, end_ns=9_000_000_000, delay_ns=2_500_000),
+            ImuBiasJump(start_ns=5, axis="gyro_x", size=radians(0.3)),
+        ]
+    ),
+    max_size=3,
+).map(tuple)
 steps = st.one_of(
     st.builds(Step, st.sampled_from("xyz"), st.sampled_from([-0.2, -0.05, 0.1, 0.15]), seconds(0.5, 600)),
     st.builds(
@@ -199,11 +309,25 @@ steps = st.one_of(
     about=st.text(st.characters(codec="utf-8", exclude_categories=("C", "Z")), min_size=1),
     seed=st.integers(0, 2**32 - 1),
     middle=st.lists(steps, max_size=6),
-    take_off=st.builds(TakeOff, seconds(-0.4, 0.3), seconds(0.02, 0.5)),
+    winds=st.lists(st.tuples(WIND, WIND), min_size=6, max_size=6),
+    take_off=st.builds(TakeOff, seconds(-0.4, 0.3), seconds(0.02, 0.5), wind=WIND),
+    room=st.sampled_from(["still", "gusty"]),
+    faults=FAULTS,
 )
-def test_round_trip(about: str, seed: int, middle: list[Step | Hover], take_off: TakeOff) -> None:
-    phases = (Home(9.0), RunUp(), take_off, *middle, Land(), RunDown(4.0))
-    plan = Plan("round_trip", about, seed, "./some controller.yaml", phases)
+def test_round_trip(
+    about: str,
+    seed: int,
+    middle: list[Step | Hover],
+    winds: list[tuple[float | None, float | None]],
+    take_off: TakeOff,
+    room: str,
+    faults: tuple[Fault, ...],
+) -> None:
+    windy = [
+        replace(phase, wind=first, wind_to=last) for phase, (first, last) in zip(middle, winds, strict=False)
+    ]
+    phases = (Home(9.0), RunUp(wind_to=1.5), take_off, *windy, Land(wind=0.5), RunDown(4.0, wind=0.0))
+    plan = Plan("round_trip", about, seed, "./some controller.yaml", phases, room, faults)
     try:
         again = parse_plan(plan.to_yaml())
     except InputError as error:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields
 from typing import TypeVar
 
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 from heli_common.errors import InputError
 from heli_common.quantities import PROVENANCE, about, from_mapping, groups_of
@@ -79,3 +81,30 @@ def declare_names(node: Node, name: str, text: str) -> tuple[str, ...]:
     """
     joined = declare_text(node, name, "", text)
     return tuple(part.strip() for part in joined.split(",") if part.strip())
+
+
+def declare_request(
+    node: Node, name: str, default: str | float, text: str, take: Callable[[str | float], None]
+) -> None:
+    """Declare a parameter that may be set at any time; every value set is a request.
+
+    Args:
+        node: of the parameter.
+        name: of the parameter.
+        default: what it shows before the first request; its type is that of every request.
+        text: for people.
+        take: called with the value; refuses it with InputError, whose text the caller of the parameter
+            service gets to read.
+    """
+    node.declare_parameter(name, default, ParameterDescriptor(description=text))
+
+    def check(parameters: list[Parameter]) -> SetParametersResult:
+        for parameter in parameters:
+            if parameter.name == name:
+                try:
+                    take(parameter.value)
+                except InputError as error:
+                    return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    node.add_on_set_parameters_callback(check)

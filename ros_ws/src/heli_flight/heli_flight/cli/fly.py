@@ -131,6 +131,7 @@ def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] 
         "wall_s": round(end.wall_seconds, 3),
         "lost_messages": lost,
         "late_commands": late,
+        "paused_s": float(record.custom_data.get("paused_s", 0.0)),
         "metrics": flight_metrics(record),
         "bag": str(order.bag),
         "report": str(page) if page else None,
@@ -145,6 +146,8 @@ def _print(result: dict[str, Any]) -> None:
     say(f"lost messages {result['lost_messages']}")
     for key, count in result["late_commands"].items():
         say(f", {key.replace('late_', 'late ')} {count}")
+    if result["paused_s"]:
+        say(f", the bench itself was kept from running for {result['paused_s']:.3f} s")
     say("\n")
     say(f"bag {result['bag']}\n")
     if result["report"]:

@@ -9,7 +9,7 @@ from heli_common.nodes.runner import run_node  # first: it takes the signals bef
 # isort: split
 from rclpy.node import Node
 
-from heli_common.nodes.parameters import declare_parameters, declare_text
+from heli_common.nodes.parameters import declare_parameters, declare_request, declare_text
 from heli_common.topics import SUPERVISOR
 from heli_flight.nodes.supervisor_program import SupervisorProgram
 from heli_flight.plan import load_plan
@@ -26,6 +26,8 @@ def build(node: Node, _running: tuple[str, ...]) -> SupervisorProgram:
     name = declare_text(node, "plan", "", "name of a shipped plan or path of a plan file; empty: services")
     limits = declare_parameters(node, FlightLimits)
     supervisor = Supervisor(limits, load_plan(name) if name else None)
+    about = "set it to command the wind generator, 0 .. 8 m/s, while no plan is flown"
+    declare_request(node, "wind", 0.0, about, lambda speed: supervisor.set_wind(float(speed)))
     return SupervisorProgram(node, supervisor)
 
 
