@@ -27,14 +27,15 @@ from rich.console import Console
 from rich.table import Table
 
 from heli_bench_sim import helicopter
-from heli_bench_sim.bench import INTEGRATION_STEPS, Bench
+from heli_bench_sim.bench import REFINEMENT, Bench
 from heli_bench_sim.bench_parameters import bench_constants
-from heli_bench_sim.motion import advance_batch
+from heli_bench_sim.motion import AIR_SIZE, FLYING_STEPS, WORK_ROWS, advance_batch
 from heli_bench_sim.parameters import Constants, constants
 from heli_bench_sim.states import STATE_SIZE, State
 from heli_bench_sim.trim import trim
 from heli_common.compiled import compiled
-from heli_common.timing import SENSOR_PERIOD
+from heli_common.records import boxed
+from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD, SENSOR_PERIOD_NS
 
 Array = NDArray[np.float64]
 
@@ -110,7 +111,7 @@ class Flights:
     def __init__(self) -> None:
         self.bench = Bench()
         self.helicopter = constants(self.bench.parameters.helicopter)
-        self.constants = bench_constants(self.bench.parameters)
+        self.box = boxed(bench_constants(self.bench.parameters))
         hover = trim(self.bench.parameters.helicopter)
         self.inputs, self.state = hover.inputs, hover.state
         self.state[[State.u, State.v]] = 0.3, -0.2
@@ -120,7 +121,7 @@ class Flights:
 
     def plant(self) -> float:
         """The helicopter's equations of motion alone, in compiled code, at the bench's integration step."""
-        flights, step = 40, SENSOR_PERIOD / INTEGRATION_STEPS
+        flights, step = 40, SENSOR_PERIOD / (REFINEMENT * FLYING_STEPS)
         steps = round(FLIGHT / step)
         begin = time.process_time()
         for _ in range(flights):
@@ -131,13 +132,12 @@ class Flights:
         return flights * FLIGHT / used
 
     def sensors(self) -> float:
-        """The bench as it flies in process: rig, servos, drive, and a reading of the sensors at 400 Hz."""
-        bench, samples = self.bench, round(FLIGHT / SENSOR_PERIOD)
+        """The bench with rig, servos, drive, air and every sensor at 400 Hz; commands held for 10 ms."""
+        bench, together = self.bench, CONTROL_PERIOD_NS // SENSOR_PERIOD_NS
         bench.place(self.state, self.inputs)
         begin = time.process_time()
-        for _ in range(samples):
-            bench.advance()
-            bench.encoder_reading()
+        for _ in range(round(FLIGHT / SENSOR_PERIOD) // together):
+            bench.run(together)
         used = time.process_time() - begin
         self._must_be_finite(bench.whole_state)
         return FLIGHT / used
@@ -146,10 +146,11 @@ class Flights:
         """Many benches at once, one sensor period after the other."""
         states, commands = np.tile(self.whole, (BATCH, 1)), np.tile(self.command, (BATCH, 1))
         states[:, State.u] = np.linspace(-0.5, 0.5, BATCH)
-        winds, periods = np.zeros((BATCH, 3)), 40
+        airs, periods = np.zeros((BATCH, AIR_SIZE)), 40
+        work = np.empty((WORK_ROWS, states.shape[1]))
         begin = time.process_time()
         for _ in range(periods):
-            advance_batch(states, commands, winds, SENSOR_PERIOD, INTEGRATION_STEPS, self.constants)
+            advance_batch(states, commands, airs, SENSOR_PERIOD, REFINEMENT, self.box, work)
         used = time.process_time() - begin
         self._must_be_finite(states)
         return periods * BATCH / used

@@ -25,7 +25,7 @@ from heli_common.timing import (
     is_control_tick,
     is_pwm_tick,
 )
-from heli_common.topics import BENCH_SIM, TOPICS
+from heli_common.topics import BENCH_CONDITION, BENCH_SIM, TOPICS
 from heli_common.vehicle_state import VehicleState, imu_values, odometry_values, swap_body, wind_values
 
 _NO_VARIANCE = (0.0,) * 6
@@ -156,7 +156,7 @@ class BenchSimulator:
         return said
 
     def _watch_regime(self) -> None:
-        if not self.bench.on_stop:  # standing there with a slow rotor is no flight
+        if not (self.bench.on_stop or self.bench.homing):  # with a slow rotor, but not in flight
             for violation in self.bench.violations:
                 self.left_regime.setdefault(violation.name, (self.stamp_ns, violation))
 
@@ -194,6 +194,7 @@ class BenchSimulator:
             bench.fan_speed,
             bench.gust_yaw,
             *bench.faults.values(stamp),
+            *_zeros(2 * len(BENCH_CONDITION)),
         )
         return [
             Message("rotor", stamp, (0.0, bench.rotor_reading(), 0.0)),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from heli_common.errors import InputError
-from heli_common.flight_state import FlightState
+from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.linear_model import StateSpace
 from heli_common.model_file import ModelFile
 from heli_common.rotations import Euler, Vector3
@@ -66,7 +66,7 @@ class Driver:
         self.tick += 1
         variance = (1e-6 if known else UNKNOWN_VARIANCE,) * 6
         receive = self.component.receive
-        assert receive("flight_state", stamp, (float(flight), 0.0, 0.0, 163.0, 0.0, 0.0)) == []
+        assert receive("flight_state", stamp, flight_state_values(flight, 163.0)) == []
         assert receive("velocity_reference", stamp, twist_values(velocity, (0.0, 0.0, yaw_rate))) == []
         (message,) = receive("odometry", stamp, odometry_values(state, variance, variance))
         assert (message.topic, message.stamp_ns) == ("servo_command", stamp)

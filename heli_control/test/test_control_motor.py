@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from heli_common.flight_state import FlightState
+from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import TOPICS
 from heli_control.motor_control import MotorController, MotorParameters, SpeedGovernor
@@ -169,7 +169,7 @@ def test_voltage_stays_in_its_range_and_the_integral_bounded(samples: list[tuple
 
 def send(component: MotorController, tick: int, state: FlightState, reference: float, speed: float) -> float:
     stamp = tick * CONTROL_PERIOD_NS
-    assert component.receive("flight_state", stamp, (float(state), 0.0, 0.0, reference, 0.0, 0.0)) == []
+    assert component.receive("flight_state", stamp, flight_state_values(state, reference)) == []
     (message,) = component.receive("rotor_state", stamp, (0.0, speed, 0.0))
     assert (message.topic, message.stamp_ns) == ("motor_command", stamp)
     assert len(message.values) == len(TOPICS["motor_command"].layout.fields)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from heli_common.flight_state import FlightState
+from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.rotations import Euler, Vector3
 from heli_common.timing import CONTROL_PERIOD, CONTROL_PERIOD_NS
 from heli_common.topics import TOPICS
@@ -39,7 +39,7 @@ def odometry(state: VehicleState, known: bool = True) -> tuple[float, ...]:
 
 
 def stage(state: FlightState) -> tuple[float, ...]:
-    return (float(state), 0.0, 0.0, 163.0, 0.0, 0.0)
+    return flight_state_values(state, 163.0)
 
 
 def ask(
@@ -189,4 +189,4 @@ def test_unknown_topic_and_flight_state_are_refused() -> None:
     controller.receive("odometry", 0, odometry(standing()))
     controller.receive("reference", 0, pose_values(ZERO, Euler(0, 0, 0)))
     with pytest.raises(ValueError, match="flight state code 9"):
-        controller.receive("flight_state", 0, (9.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+        controller.receive("flight_state", 0, flight_state_values(9.0))

@@ -7,7 +7,8 @@ independent from arm to arm. Through the arms' Jacobian J the position has the c
 
 The three half counts that can come together are a vector of at most sqrt(3)/2 count = 3 count / sqrt(12).
 By Cauchy-Schwarz three sigma of the position in any direction is therefore not only a deviation but the
-farthest a platform at rest can be from where it is read (but for the curvature of the kinematics).
+farthest a platform at rest can be from where it is read; the curvature of the kinematics adds 3 % at the
+bottom of the work space.
 
 The gimbal's encoders read yaw, pitch and roll themselves, so attitude is known equally well everywhere.
 """

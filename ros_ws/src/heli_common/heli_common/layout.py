@@ -214,22 +214,17 @@ def header(frame_id: str) -> Layout:
     return _finish("std_msgs/msg/Header", writer, [])
 
 
-JOINT_QUANTITIES = ("position", "velocity", "effort")
-
-
-def joint_state(frame_id: str, names: Sequence[str], quantities: Sequence[str] = JOINT_QUANTITIES) -> Layout:
-    """sensor_msgs/JointState with the given quantities of every joint; the others stay empty lists."""
+def joint_state(frame_id: str, names: Sequence[str]) -> Layout:
+    """sensor_msgs/JointState with position, velocity and effort of every joint, in that order."""
     writer = _CdrWriter()
     _header(writer, frame_id)
     writer.uint32(len(names))
     for name in names:
         writer.string(name)
-    for quantity in JOINT_QUANTITIES:
-        count = len(names) if quantity in quantities else 0
-        writer.uint32(count)
-        if count:
-            writer.numbers(count)
-    fields = [f"{quantity}.{name}" for quantity in quantities for name in names]
+    for _ in range(3):
+        writer.uint32(len(names))
+        writer.numbers(len(names))
+    fields = [f"{quantity}.{name}" for quantity in ("position", "velocity", "effort") for name in names]
     return _finish("sensor_msgs/msg/JointState", writer, fields)
 
 

@@ -76,7 +76,7 @@ _TABLE = (
     Topic("wind", layout.vector3_stamped(WORLD_FRAME), CONTROL_PERIOD_NS, BENCH_SIM),
     Topic(
         "bench_condition",
-        layout.joint_state(RIG_FRAME, BENCH_CONDITION, ("position",)),
+        _joints(*BENCH_CONDITION),
         CONTROL_PERIOD_NS,
         BENCH_SIM,
     ),

@@ -25,27 +25,30 @@ def filled(topic, stamp_ns, values):
     header = message if described.ros_type.endswith("Header") else getattr(message, "header", None)
     stamp = message.clock if header is None else header.stamp
     stamp.sec, stamp.nanosec = divmod(stamp_ns, 10**9)
-    constants = {"odometry": "world", "ground_truth": "world", "reference": "world"}
-    frame = constants.get(topic, {"velocity_reference": "heading"}.get(topic, "rig"))
+    worlds = dict.fromkeys(("odometry", "ground_truth", "reference", "wind"), "world")
+    frame = (worlds | {"velocity_reference": "heading", "imu": "imu_link"}).get(topic, "rig")
     if header is not None:
         header.frame_id = frame
     if hasattr(message, "child_frame_id"):
         message.child_frame_id = "base_link"
     if described.ros_type.endswith("JointState"):
-        count = len(values) // 3
-        message.name = [field.partition(".")[2] for field in described.fields[:count]]
-        message.position, message.velocity, message.effort = (
-            list(values[i * count : (i + 1) * count]) for i in range(3)
-        )
+        message.name = list(dict.fromkeys(field.partition(".")[2] for field in described.fields))
+        for field, value in zip(described.fields, values, strict=True):
+            getattr(message, field.partition(".")[0]).append(value)
         return message
     body = {"pose_covariance": "pose.covariance", "twist_covariance": "twist.covariance"}
     for field, value in zip(described.fields, values, strict=True):
         name, _, rest = field.partition("[")
         if rest:
-            owner = body[name].partition(".")[0]
-            getattr(message, owner).covariance[int(rest[:-1])] = value
+            if hasattr(message, name):
+                getattr(message, name)[int(rest[:-1])] = value
+            else:
+                getattr(message, body[name].partition(".")[0]).covariance[int(rest[:-1])] = value
             continue
         part, axis = field.split(".")
+        if hasattr(message, part):
+            setattr(getattr(message, part), axis, value)
+            continue
         owner = getattr(message, "pose", None) if part in ("position", "orientation") else message.twist
         owner = getattr(owner, "pose", getattr(owner, "twist", owner))
         setattr(getattr(owner, part), axis, value)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from heli_common.component import Message, StampJoin
 from heli_common.errors import InputError, SafetyStop
-from heli_common.flight_state import FlightState
+from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.quantities import check_number
 from heli_common.rotations import Euler
 from heli_common.topics import SUPERVISOR
@@ -168,6 +168,6 @@ class Supervisor:
 
     def _messages(self, stamp_ns: int) -> list[Message]:
         reference = self._reference
-        state = (float(reference.state), 0.0, 0.0, 0.0, reference.rotor_speed, reference.wind, 0.0, 0.0, 0.0)
+        state = flight_state_values(reference.state, reference.rotor_speed, reference.wind)
         pose = pose_values(reference.position, Euler(reference.heading, 0.0, 0.0))
         return [Message("flight_state", stamp_ns, state), Message("reference", stamp_ns, pose)]

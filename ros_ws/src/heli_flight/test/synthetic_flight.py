@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_common.flight_state import FlightState
+from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.rotations import Euler
 from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
 from heli_common.topics import DATA_TOPICS, TOPICS
-from heli_common.vehicle_state import VehicleState, odometry_values, pose_values, twist_values
+from heli_common.vehicle_state import VehicleState, imu_values, odometry_values, pose_values, twist_values
 from heli_flight.bag import BagWriter
 from heli_flight.plan import Home, Land, Plan, RunDown, RunUp, Step, TakeOff, load_plan
 
@@ -114,9 +114,11 @@ def messages(plan: Plan, wander: float = 0.012, seed: int = 0) -> Iterator[tuple
             "rotor": (0.0, omega, 0.0),
             "actuator_state": (*command.tolist(), 0.0, *(0.0,) * 9, voltage),
             "ground_truth": odometry_values(truth, [0.0] * 6, [0.0] * 6),
+            "wind": (0.0, 0.0, 0.0),
+            "bench_condition": (0.0,) * len(TOPICS["bench_condition"].layout.fields),
             "odometry": odometry_values(estimate, [1e-6] * 6, [1e-4] * 6),
             "rotor_state": (0.0, omega, 0.0),
-            "flight_state": (float(state), 0.0, 0.0, float(rotor_reference[tick]), 0.0, 0.0),
+            "flight_state": flight_state_values(state, float(rotor_reference[tick])),
             "reference": pose_values(
                 tuple(reference[tick, :3].tolist()), Euler(reference[tick, 3], 0.0, 0.0)
             ),
@@ -130,6 +132,8 @@ def messages(plan: Plan, wander: float = 0.012, seed: int = 0) -> Iterator[tuple
             sample = stamp + part * SENSOR_PERIOD_NS
             counts = (0.0,) * 12 + (1.0,) * 6
             yield "encoders", sample, TOPICS["encoders"].layout.pack(sample, counts)
+            felt = imu_values((0.0, 0.0, r), (float(ax), float(ay), -9.81), (1e-6, 1e-4))
+            yield "imu", sample, TOPICS["imu"].layout.pack(sample, felt)
         for topic, numbers in values.items():
             yield topic, stamp, TOPICS[topic].layout.pack(stamp, numbers)
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from heli_common.errors import InputError
-from heli_common.flight_state import FlightState
+from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.rotations import Euler, Quaternion
 from heli_common.topics import TOPICS
 from heli_common.vehicle_state import (
@@ -148,4 +148,4 @@ def test_another_layout_and_another_state_are_refused() -> None:
         record_of({"rotor": [b"\0" * 10]})
     layout = TOPICS["flight_state"].layout
     with pytest.raises(InputError, match=r"memory: flight_state: .*99"):
-        _ = record_of({"flight_state": [layout.pack(0, [99.0] + [0.0] * 5)]}).stages
+        _ = record_of({"flight_state": [layout.pack(0, flight_state_values(99.0))]}).stages

@@ -41,7 +41,7 @@ class Obedient:
         )
         assert state.stamp_ns == reference.stamp_ns == stamp
         self.states.append(FlightState(int(state.values[0])))
-        self.rotor = state.values[3]
+        self.rotor = state.values[4]
         position, attitude = pose_from_values(reference.values)
         self.references.append((*position, attitude.psi))
         if self.states[-1].controlled:

@@ -11,7 +11,7 @@ import pytest
 import synthetic_flight as synthetic
 from numpy.typing import NDArray
 
-from heli_common.flight_state import FlightState
+from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.rotations import Euler
 from heli_common.topics import TOPICS
 from heli_common.vehicle_state import VehicleState, odometry_values, pose_values
@@ -39,7 +39,7 @@ def record_of(
         send("reference", stamp, pose_values((wanted[0], wanted[1], wanted[2]), Euler(wanted[3], 0.0, 0.0)))
         send("ground_truth", stamp, odometry_values(here, [0.0] * 6, [0.0] * 6))
         send("odometry", stamp, odometry_values(here, [1e-6] * 6, [0.0] * 6))
-        send("flight_state", stamp, (float(state), 0.0, 0.0, 160.0, 0.0, 0.0))
+        send("flight_state", stamp, flight_state_values(state, 160.0))
         send("rotor", stamp, (0.0, 160.0 + (3.2 if tick == 50 else 0.0), 0.0))
     return FlightRecord(Bag(Path("memory"), {}, {}, messages, {}, ()))
 

@@ -1,4 +1,4 @@
-"""`heli model`: the operating point of hover and the linear models about it."""
+"""`heli model`: the operating point of hover, the linear models about it, and what is known of both."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from heli_bench_sim.parameters import PARAMETER_SETS
 from heli_bench_sim.trim import Trim, trim
 from heli_common.linear_model import StateSpace
 from heli_common.model_file import ModelFile
-from heli_flight.cli import model_check
+from heli_flight.cli import encoders, model_check
 
 ANGLES = ("theta_0", "theta_t", "phi", "theta", "B_1s", "A_1s", "a_1p", "b_1p")
 UNITS = {"V_i": "m/s", "V_t": "m/s", "M_A": "N m", "U_mot": "V", "I_motor": "A", "Omega": "rad/s"}
@@ -44,6 +44,7 @@ def add_parser(words: Any) -> None:
             job.add_argument("--out", type=Path, help="write a model file, for `heli design`")
         job.set_defaults(func=function)
     model_check.add_job(jobs)
+    encoders.add_job(jobs)
 
 
 def show_trim(options: argparse.Namespace) -> int:
