@@ -108,7 +108,7 @@ def test_a_fault_by_service_on_the_running_graph(heli, wait_for):
     )
     refused, taken = asked.stdout.strip().splitlines()
     assert refused.startswith("False fault.kind: 'coffee_spilled' is unknown (allowed: encoder_stuck")
-    assert taken == "True "
+    assert taken == "True"
     _, error = first.communicate(timeout=90)
     assert first.returncode == 0, error
     _, dropped = series(read(heli, "b"), "bench_condition", "position.imu_dropout")
@@ -120,13 +120,13 @@ def test_a_fault_by_service_on_the_running_graph(heli, wait_for):
 def test_two_helicopters_from_parameter_files_fly_the_same_plan(heli):
     text = "bench_sim: {{ros__parameters: {{helicopter: {{mass: {}, drag_area: {}}}}}}}\n"
     loads = {}
-    for name, mass, drag in (("light", 6.6, 0.1), ("heavy", 7.6, 0.3)):
+    for name, mass, drag in (("light", 7.1, 0.1), ("heavy", 7.5, 0.3)):
         (heli.folder / f"{name}.yaml").write_text(text.format(mass, drag))
         fly(heli, "short_hover", "lockstep", name, "--params-file", f"{name}.yaml")
         time, collective = series(read(heli, name), "actuator_state", "position.theta_0")
         hover = (time > 20.0) & (time < 22.0)
         loads[name] = np.degrees(collective[hover].mean())
-    assert loads["heavy"] - loads["light"] > 0.5
+    assert loads["heavy"] - loads["light"] > 0.2
 
 
 class CalmImu:

@@ -1,5 +1,7 @@
 """Bad input is one clear line and exit code 2, before anything moves and with nothing half-written."""
 
+import sys
+
 import pytest
 
 from heli_control.controller_file import load_controller
@@ -79,7 +81,7 @@ def test_a_bag_that_is_none(heli):
 
 def test_a_wrong_node_parameter(heli):
     process = heli.start_process(
-        "python",
+        sys.executable,
         "-m",
         "heli_navigation.nodes.navigation_node",
         "--ros-args",

@@ -8,9 +8,11 @@ from heli_bench_sim.arm_friction import ArmFrictionParameters, arm_friction_cons
 from heli_bench_sim.arm_inertia import ArmInertiaParameters, arm_inertia_constants
 from heli_bench_sim.delta_arm import arm_constants
 from heli_bench_sim.end_stops import EndStopParameters, end_stop_constants
+from heli_bench_sim.h_force import HForceParameters
 from heli_bench_sim.hall_sensor import HallParameters, hall_constants
 from heli_bench_sim.homing_hand import HandParameters, hand_constants
 from heli_bench_sim.imu_parameters import ImuParameters, imu_constants
+from heli_bench_sim.levers import LeverParameters
 from heli_bench_sim.link import LinkParameters
 from heli_bench_sim.lower_stop import StopParameters, stop_constants
 from heli_bench_sim.motion import BenchConstants
@@ -39,6 +41,8 @@ class BenchParameters:
     imu: ImuParameters = field(default_factory=ImuParameters)
     hall: HallParameters = field(default_factory=HallParameters)
     link: LinkParameters = field(default_factory=LinkParameters)
+    levers: LeverParameters = field(default_factory=LeverParameters)
+    h_force: HForceParameters = field(default_factory=HForceParameters)
 
 
 def bench_constants(parameters: BenchParameters) -> BenchConstants:
@@ -47,7 +51,7 @@ def bench_constants(parameters: BenchParameters) -> BenchConstants:
     Args:
         parameters: what the bench is built from.
     """
-    c = constants(parameters.helicopter)
+    c = constants(parameters.helicopter, parameters.levers, parameters.h_force)
     depth = parameters.geometry.rest_depth
     return packed(
         BenchConstants(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from heli_bench_sim.levers import cyclic_after_slack, lever_gains
 from heli_bench_sim.parameters import Constants
 from heli_bench_sim.standstill import reciprocal_speed
 from heli_common.compiled import equation
@@ -45,8 +46,14 @@ def disc_tilt(
     inflow_ratio = v_i * per_speed / c.radius
     per_air_speed = c.speed_flapping * (8.0 / 3.0 * theta_0 - 2.0 * inflow_ratio) * per_speed / c.radius
     tau = c.flapping_damping * per_speed
-    back = c.bar_to_blade * a_1p + c.plate_to_blade * b_1s + per_air_speed * u_a - tau * q + p * per_speed
-    right = c.bar_to_blade * b_1p + c.plate_to_blade * a_1s - per_air_speed * v_a - tau * p - q * per_speed
+    bar_to_blade, plate_to_blade, _ = lever_gains(theta_0, c.levers)
+    pitch_back, pitch_right = cyclic_after_slack(
+        bar_to_blade * a_1p + plate_to_blade * b_1s,
+        bar_to_blade * b_1p + plate_to_blade * a_1s,
+        c.levers.slack,
+    )
+    back = pitch_back + per_air_speed * u_a - tau * q + p * per_speed
+    right = pitch_right - per_air_speed * v_a - tau * p - q * per_speed
     a_1 = c.phase_cos * (c.phase_cos * back + c.phase_sin * right)
     b_1 = c.phase_cos * (c.phase_cos * right - c.phase_sin * back)
     return a_1, b_1

@@ -11,7 +11,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_bench_sim import airframe, drive, flapping, inflow, rigid_body, rotor, servo_rotor, tail_rotor
+from heli_bench_sim import (
+    airframe,
+    drive,
+    flapping,
+    h_force,
+    inflow,
+    rigid_body,
+    rotor,
+    servo_rotor,
+    tail_rotor,
+)
 from heli_bench_sim.parameters import Constants
 from heli_bench_sim.states import Input, State
 from heli_common.compiled import compiled, equation
@@ -93,6 +103,7 @@ def write_derivative(
     tail_thrust = tail_rotor.thrust(theta_t, omega, v_t, v_a, r, c)
     tail_torque = tail_rotor.torque(tail_thrust, theta_t, omega, v_t, c)
     a_1, b_1 = flapping.disc_tilt(a_1p, b_1p, b_1s, a_1s, theta_0, omega, v_i, u_a, v_a, q, p, c)
+    torque += h_force.h_force_torque(thrust, theta_0, omega, v_i, u_a, v_a, w_a, a_1, b_1, c.h_force)
     speed_up = drive.rotor_acceleration(m_a, torque, tail_torque, c)
 
     # Forces (source eq. 2.50): weight and further forces are given in earth axes
@@ -120,7 +131,9 @@ def write_derivative(
     out[State.p], out[State.q], out[State.r] = rigid_body.angular_accelerations(
         rolling + moment_body[0], pitching + moment_body[1], yawing + moment_body[2], p, q, r, c
     )
-    out[State.a_1p], out[State.b_1p] = servo_rotor.flapping_rates(a_1p, b_1p, b_1s, a_1s, omega, q, p, c)
+    out[State.a_1p], out[State.b_1p] = servo_rotor.flapping_rates(
+        a_1p, b_1p, b_1s, a_1s, theta_0, omega, q, p, c
+    )
     out[State.Omega] = speed_up
     out[State.M_A] = drive.torque_rate(m_a, drive.current(voltage, omega, c), c)
     out[State.V_i] = inflow.rate(v_i, thrust, w_a, c)
@@ -168,9 +181,24 @@ def loads(state: Array, inputs: Array, wind_earth: Array, c: Constants) -> Loads
     theta_0, theta_t = inputs[Input.theta_0], inputs[Input.theta_t]
     thrust = rotor.thrust(theta_0, omega, v_i, u_a, v_a, w_a, c)
     tail_thrust = tail_rotor.thrust(theta_t, omega, v_t, v_a, state[State.r], c)
+    a_1, b_1 = flapping.disc_tilt(
+        state[State.a_1p],
+        state[State.b_1p],
+        inputs[Input.B_1s],
+        inputs[Input.A_1s],
+        theta_0,
+        omega,
+        v_i,
+        u_a,
+        v_a,
+        state[State.q],
+        state[State.p],
+        c,
+    )
     return Loads(
         thrust,
-        rotor.torque(thrust, theta_0, omega, v_i, w_a, c),
+        rotor.torque(thrust, theta_0, omega, v_i, w_a, c)
+        + h_force.h_force_torque(thrust, theta_0, omega, v_i, u_a, v_a, w_a, a_1, b_1, c.h_force),
         tail_thrust,
         tail_rotor.torque(tail_thrust, theta_t, omega, v_t, c),
         drive.current(inputs[Input.U_mot], omega, c),

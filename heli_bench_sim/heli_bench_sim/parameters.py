@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from heli_bench_sim.h_force import HForceConstants, HForceParameters, h_force_constants
+from heli_bench_sim.levers import LeverConstants, LeverParameters, lever_constants
 from heli_common.quantities import quantity
 from heli_common.records import packed
 
@@ -111,8 +113,12 @@ def physical_tail() -> HelicopterParameters:
 PARAMETER_SETS = {"thesis": thesis, "physical_tail": physical_tail}
 
 
+RIGID_LEVERS, NO_H_FORCE = LeverParameters(), HForceParameters()
+"""The switches of the real machine, off."""
+
+
 class Constants(NamedTuple):
-    """What the compiled equations need; every field a float, made by `constants`, SI units."""
+    """What the compiled equations need; floats and groups of floats, made by `constants`, SI units."""
 
     mass: float
     gravity: float
@@ -168,13 +174,21 @@ class Constants(NamedTuple):
     supply_gain: float
     supply_voltage: float
     supply_current: float
+    levers: LeverConstants
+    h_force: HForceConstants
 
 
-def constants(parameters: HelicopterParameters) -> Constants:
+def constants(
+    parameters: HelicopterParameters,
+    levers: LeverParameters = RIGID_LEVERS,
+    h_force: HForceParameters = NO_H_FORCE,
+) -> Constants:
     """Derived constants of the compiled equations.
 
     Args:
         parameters: the helicopter.
+        levers: gains that depend on the collective, and play.
+        h_force: whether the H force is counted in the torque.
 
     Raises:
         ValueError: a blade whose inner end is not inside its tip.
@@ -261,5 +275,7 @@ def constants(parameters: HelicopterParameters) -> Constants:
             supply_gain=h.supply_gain,
             supply_voltage=h.supply_voltage,
             supply_current=h.supply_current,
+            levers=lever_constants(levers, h),
+            h_force=h_force_constants(h_force, h),
         )
     )

@@ -163,14 +163,14 @@ def test_hub_stiffness_by_hand() -> None:
 
 def test_servo_rotor_time_constant_is_the_source_s() -> None:
     """k = 11.25 1/s at Omega_0 (source 11.2), and a steady tilt of k_s2p times the swash plate."""
-    fall, _ = servo_rotor.flapping_rates(1.0, 0.0, 0.0, 0.0, OMEGA, 0.0, 0.0, C)
+    fall, _ = servo_rotor.flapping_rates(1.0, 0.0, 0.0, 0.0, 0.1, OMEGA, 0.0, 0.0, C)
     assert -fall == pytest.approx(11.25, abs=0.01)
-    steady, _ = servo_rotor.flapping_rates(1.4199 * 0.02, 0.0, 0.02, 0.0, OMEGA, 0.0, 0.0, C)
+    steady, _ = servo_rotor.flapping_rates(1.4199 * 0.02, 0.0, 0.02, 0.0, 0.1, OMEGA, 0.0, 0.0, C)
     assert steady == pytest.approx(0.0, abs=1e-15)
 
 
 def test_resting_servo_rotor_stays_in_space() -> None:
-    assert servo_rotor.flapping_rates(0.1, 0.2, 0.3, 0.4, 0.0, 0.5, 0.6, C) == (-0.5, -0.6)
+    assert servo_rotor.flapping_rates(0.1, 0.2, 0.3, 0.4, 0.1, 0.0, 0.5, 0.6, C) == (-0.5, -0.6)
 
 
 @settings(deadline=None, max_examples=50)

@@ -78,8 +78,12 @@ class Memory(IntEnum):
     kept_variance = kept_bias + 3
     """and their variances [rad^2/s^2]"""
     jumps = kept_variance + 3
-    """jumps of each gyro's bias found so far, by the gimbal's axis that showed it"""
-    force_jumps = jumps + 3
+    """jumps of a gyro's bias found so far, by the gimbal's axis that showed it: yaw, pitch, roll"""
+    since_jump = jumps + 3
+    """time since the latest of each [s]"""
+    again = since_jump + 3
+    """how many of each have followed each other closely"""
+    force_jumps = again + 3
     """jumps of the accelerometers' biases found so far"""
     lines = force_jumps + 1
     """lines believed so far"""
@@ -107,7 +111,15 @@ class Work(IntEnum):
     """(15) sum of all corrections at this sample"""
     slope = correction + SIZE
     """(3) derivative of an arm's angle by the platform's position [rad/m]"""
-    end = slope + 3
+    angle = slope + 3
+    """(6) readings of the encoders [rad]"""
+    place = angle + ENCODERS
+    """(3) platform, NED [m]"""
+    speed = place + 3
+    """(3) its velocity, NED [m/s]"""
+    turning = speed + 3
+    """(3) rates of yaw, pitch, roll [rad/s]"""
+    end = turning + 3
 
 
 def blank_memory() -> Array:

@@ -1,0 +1,174 @@
+"""Innovation gates, and who is believed when a sensor and the filter disagree.
+
+A reading further from what is expected than `gate` deviations is not used, and its encoder is doubted: three
+lines in a row outside the gate, or no line passed although the filter has long been beyond one. What then is
+to blame is decided by what the others say:
+
+- **One arm alone** disagrees with two arms and the IMU: its encoder is lost and no longer used. Several arms
+  together speak against the accelerometers: a jump of their bias is allowed for.
+- **A gimbal axis** stands against its gyro alone. A jump of the gyro's bias is allowed for; should that not
+  settle it, twice within a second, the encoder is lost.
+
+A lost encoder is believed again after ten lines in a row where they should be, none further off than two
+counts: one that has stood still comes back, one that has lost counts does not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heli_common.compiled import compiled
+from heli_navigation.error_covariance import widen
+from heli_navigation.filter_memory import ARMS, ENCODERS, SIZE, Estimate, Memory, Work
+from heli_navigation.filter_parameters import FilterConstants
+
+Array = NDArray[np.float64]
+
+_DOUBT, _LOST, _AGREED = int(Memory.doubt), int(Memory.lost), int(Memory.agreed)
+_JUMPS, _SINCE, _AGAIN = int(Memory.jumps), int(Memory.since_jump), int(Memory.again)
+_COVARIANCE = int(Memory.covariance)
+_RATES = int(Work.rates)
+_P, _V, _E = int(Estimate.position), int(Estimate.velocity), int(Estimate.angle)
+_G, _F = int(Estimate.gyro_bias), int(Estimate.force_bias)
+
+LINES_TO_DOUBT = 3
+"""Lines in a row outside the gate that are as bad as waiting for `patience`."""
+
+LINES_TO_TRUST = 10.0
+"""Lines in a row in their place after which a lost encoder is believed again."""
+
+TRUSTED_WITHIN = 2.0
+"""How far off such a line may be at most [counts]."""
+
+ARM_PATIENCE = 3.0
+"""An arm is doubted so much longer than a gimbal axis, for the others to say what they see."""
+
+JUMPS_TO_LOSE = 3.0
+"""Jumps following each other within `CLOSELY` [s] after which the encoder is to blame."""
+CLOSELY = 1.0
+
+
+@compiled
+def believable(innovation: float, variance: float, c: FilterConstants) -> bool:
+    """Whether an innovation is within the gate.
+
+    Args:
+        innovation: measured less expected.
+        variance: of it.
+        c: constants of the filter.
+    """
+    return innovation * innovation <= c.gate * variance
+
+
+@compiled
+def doubt_line(memory: Array, encoder: int, c: FilterConstants) -> None:
+    """Note a line outside its gate.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`.
+        encoder: which.
+        c: constants of the filter.
+    """
+    memory[Memory.refused + encoder] += 1.0
+    memory[_DOUBT + encoder] += patience(encoder, c) / LINES_TO_DOUBT
+
+
+@compiled
+def patience(encoder: int, c: FilterConstants) -> float:
+    """How long an encoder may disagree before it is judged [s].
+
+    Args:
+        encoder: which.
+        c: constants of the filter.
+    """
+    return c.patience * ARM_PATIENCE if encoder < ARMS else c.patience
+
+
+@compiled
+def trust_line(memory: Array, encoder: int, innovation: float, inside: bool, c: FilterConstants) -> None:
+    """Note a line of a lost encoder; believe it again once ten in a row were in their place.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`.
+        encoder: which.
+        innovation: measured less expected [rad].
+        inside: whether it was within its gate.
+        c: constants of the filter.
+    """
+    if inside and abs(innovation) < TRUSTED_WITHIN * c.count:
+        memory[_AGREED + encoder] += 1.0
+    else:
+        memory[_AGREED + encoder] = 0.0
+    if memory[_AGREED + encoder] >= LINES_TO_TRUST:
+        memory[_LOST + encoder], memory[_DOUBT + encoder], memory[_AGREED + encoder] = 0.0, 0.0, 0.0
+
+
+@compiled
+def judge(memory: Array, work: Array, c: FilterConstants) -> None:
+    """Decide about every encoder that has been doubted for too long.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`.
+        work: scratch in the order of `Work`; rates are read.
+        c: constants of the filter.
+    """
+    for axis in range(ENCODERS - ARMS):
+        memory[_SINCE + axis] += c.period
+    for encoder in range(ENCODERS):
+        if memory[_DOUBT + encoder] < patience(encoder, c) * (1.0 - 1e-9):
+            continue
+        if encoder < ARMS:
+            _judge_arm(memory, encoder, c)
+        else:
+            _judge_axis(memory, encoder - ARMS, work, c)
+
+
+@compiled
+def _judge_arm(memory: Array, arm: int, c: FilterConstants) -> None:
+    alone = True
+    for other in range(ARMS):
+        if other != arm and (memory[_LOST + other] > 0.0 or memory[_DOUBT + other] > 0.0):
+            alone = False
+    if alone:
+        lose(memory, arm)
+        return
+    covariance = memory[_COVARIANCE : Memory.gyro]
+    late = c.patience * ARM_PATIENCE
+    widen(covariance, _F, c.force_jump)
+    widen(covariance, _V, c.force_jump * late * late)
+    widen(covariance, _P, 0.25 * c.force_jump * late * late * late * late)
+    memory[Memory.force_jumps] += 1.0
+    for other in range(ARMS):
+        memory[_DOUBT + other] = 0.0
+
+
+@compiled
+def _judge_axis(memory: Array, axis: int, work: Array, c: FilterConstants) -> None:
+    memory[_AGAIN + axis] = memory[_AGAIN + axis] + 1.0 if memory[_SINCE + axis] < CLOSELY else 1.0
+    memory[_SINCE + axis] = 0.0
+    memory[_JUMPS + axis] += 1.0
+    memory[_DOUBT + ARMS + axis] = 0.0
+    if memory[_AGAIN + axis] >= JUMPS_TO_LOSE:
+        lose(memory, ARMS + axis)
+        return
+    # along the direction of the gyros that moves this angle
+    length = 0.0
+    for k in range(3):
+        length += work[_RATES + 3 * axis + k] * work[_RATES + 3 * axis + k]
+    for k in range(3):
+        for other in range(3):
+            share = work[_RATES + 3 * axis + k] * work[_RATES + 3 * axis + other] / length
+            memory[_COVARIANCE + SIZE * (_G + k) + _G + other] += share * c.bias_jump
+    memory[_COVARIANCE + (SIZE + 1) * (_E + axis)] += 4.0 * c.cell_variance
+
+
+@compiled
+def lose(memory: Array, encoder: int) -> None:
+    """Use an encoder no longer.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`.
+        encoder: which.
+    """
+    memory[_LOST + encoder], memory[_DOUBT + encoder], memory[_AGREED + encoder] = 1.0, 0.0, 0.0

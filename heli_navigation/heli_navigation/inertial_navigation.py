@@ -1,0 +1,289 @@
+"""Navigation with IMU and encoders: one sample in, pose, velocity, rates, biases and their covariances out.
+
+Nothing is known before all six encoders have passed their index. Until then the gyros' means are taken
+whenever no count changes, so that their biases are known when the filter begins.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from heli_common.finite import require_finite
+from heli_common.records import boxed, packed
+from heli_common.rig_geometry import ENCODER_NAMES, RigGeometry
+from heli_common.rotations import Euler, Vector3
+from heli_common.vehicle_state import VehicleState
+from heli_navigation.arm_kinematics import arm_jacobian, position_from_arms
+from heli_navigation.filter_memory import ARMS, ENCODERS, SIZE, Estimate, Memory, Work, blank_memory
+from heli_navigation.filter_outputs import TWIST, Output, read_covariance, read_motion
+from heli_navigation.filter_parameters import FilterConstants, FilterParameters, filter_constants
+from heli_navigation.first_rest import FirstRest
+from heli_navigation.inertial_filter import filter_step
+from heli_navigation.strapdown import orient
+
+Array = NDArray[np.float64]
+
+BEGINNING_SPEED = 0.3
+"""Deviation of the velocity when the filter begins [m/s]: the hand may just be at work."""
+
+_NOWHERE = VehicleState((0.0, 0.0, 0.0), Euler(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False)
+_NAN = (math.nan, math.nan, math.nan)
+_NONE = (0.0, 0.0, 0.0)
+_ALL_INDEXED = (1.0,) * ENCODERS
+
+
+@dataclass(frozen=True)
+class Health:
+    """What navigation thinks of its sensors."""
+
+    known: bool
+    """whether there is a pose at all"""
+    standing: bool
+    """whether it takes the helicopter to stand on its stop, and learns biases"""
+    without_imu: bool
+    """whether the IMU is missing now"""
+    lost: tuple[str, ...]
+    """names of the encoders not believed now"""
+    refused: tuple[int, ...]
+    """(6,) readings outside their gate so far"""
+    gyro_jumps: int
+    """jumps of a gyro's bias found so far"""
+    force_jumps: int
+    """jumps of an accelerometer's bias found so far"""
+    restarts: int
+    """how often the estimate became meaningless and was begun anew"""
+    rejected: int
+    """samples whose arm angles fit no position when the filter wanted to begin"""
+
+    @property
+    def sound(self) -> bool:
+        """Whether all sensors are there and believed."""
+        return self.known and not self.without_imu and not self.lost
+
+
+class InertialNavigation:
+    """Error-state Kalman filter of the bench: every 2.5 ms one `step`, then whatever is to be read.
+
+    Args:
+        parameters: of the filter.
+        geometry: of the rig.
+    """
+
+    def __init__(self, parameters: FilterParameters | None = None, geometry: RigGeometry | None = None) -> None:
+        self._geometry = geometry or RigGeometry()
+        self._constants: FilterConstants = packed(filter_constants(parameters or FilterParameters(), self._geometry))
+        self._box = boxed(self._constants)
+        self._memory, self._work = blank_memory(), np.zeros(Work.end)
+        self._rows, self._out = np.zeros(TWIST * SIZE), np.zeros(Output.end)
+        self._known, self._restarts, self._rejected = False, 0, 0
+        self._rest = FirstRest(self._constants.period, self._constants.still_time)
+
+    # One sample ----------------------------------------------------------------------------------------
+
+    def step(
+        self,
+        arms: Sequence[float],
+        gimbal: Sequence[float],
+        indexed: Sequence[float],
+        gyro: Sequence[float],
+        accelerometer: Sequence[float],
+        imu_valid: bool = True,
+    ) -> None:
+        """Take in the next sample, one period after the one before.
+
+        Args:
+            arms: (3,) angles of the arms as their counts say [rad].
+            gimbal: (3,) yaw, pitch, roll as their counts say [rad].
+            indexed: (6,) 1 for each encoder that has passed its index, arms first.
+            gyro: (3,) body rates, FRD [rad/s].
+            accelerometer: (3,) specific force at the IMU, FRD [m/s^2].
+            imu_valid: whether gyro and accelerometer were measured at this sample; if not, they do not matter.
+
+        Raises:
+            ValueError: a number that is said to be measured is not finite.
+        """
+        if not self._known or min(indexed) < 0.5:
+            self._await(arms, gimbal, indexed, gyro, accelerometer, imu_valid)
+            return
+        if not filter_step(
+            self._memory, *arms, *gimbal, *gyro, *accelerometer, imu_valid, self._box, self._work
+        ):
+            # not finite, or out of the arms' reach: begin again from the encoders
+            self._restarts += 1
+            self._known = False
+            self._await(arms, gimbal, indexed, gyro, accelerometer, imu_valid)
+
+    def skip(self, samples: int) -> None:
+        """Go on over samples that never came, by what was known before them.
+
+        Args:
+            samples: how many periods of 2.5 ms.
+        """
+        if not self._known:
+            return
+        for _ in range(samples):
+            filter_step(self._memory, *_NAN, *_NAN, *_NONE, *_NONE, False, self._box, self._work)
+
+    # What is known -------------------------------------------------------------------------------------
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a pose; before, every other reading is zero."""
+        return self._known
+
+    @property
+    def state(self) -> VehicleState:
+        """Position, attitude, velocity and rates at the centre of gravity, of the latest sample."""
+        if not self._known:
+            return _NOWHERE
+        read_motion(self._memory, self._box, self._work, self._out)
+        x, y, z, psi, theta, phi, u, v, w, p, q, r = self._out[: Output.pose].tolist()
+        return VehicleState((x, y, z), Euler(psi, theta, phi), (u, v, w), (p, q, r))
+
+    @property
+    def covariances(self) -> tuple[Array, Array]:
+        """Two (6, 6): of position and rotations about north, east, down [m, rad]; of velocity and rates in body
+        FRD [m/s, rad/s]. Zeros while nothing is known.
+        """
+        if self._known:
+            read_covariance(self._memory, self._box, self._work, self._rows, self._out)
+        pose, twist = self._out[Output.pose : Output.twist], self._out[Output.twist :]
+        return pose.reshape(TWIST, TWIST).copy(), twist.reshape(TWIST, TWIST).copy()
+
+    @property
+    def gyro_bias(self) -> Vector3:
+        """Estimated biases of the gyros, body FRD [rad/s]; without IMU those from before."""
+        if self._memory[Memory.coasting] > 0.0:
+            return self._three(Memory.kept_bias)
+        return self._three(Memory.estimate + Estimate.gyro_bias)
+
+    @property
+    def accelerometer_bias(self) -> Vector3:
+        """Estimated biases of the accelerometers, body FRD [m/s^2]."""
+        return self._three(Memory.estimate + Estimate.force_bias)
+
+    @property
+    def bias_deviations(self) -> tuple[float, ...]:
+        """(6,) standard deviations of the biases, gyros [rad/s] first [m/s^2]."""
+        variances = self.covariance.diagonal().copy()
+        if self._memory[Memory.coasting] > 0.0:
+            kept = self._memory[Memory.kept_variance : Memory.jumps]
+            walked = self._constants.gyro_walk * self._memory[Memory.coasted]
+            variances[Estimate.gyro_bias : Estimate.force_bias] = kept + walked
+        return tuple(np.sqrt(variances[Estimate.gyro_bias :]).tolist())
+
+    @property
+    def covariance(self) -> Array:
+        """(15, 15) of the filter's errors, in the order of `Estimate`."""
+        return self._memory[Memory.covariance : Memory.gyro].reshape(SIZE, SIZE).copy()
+
+    @property
+    def innovations(self) -> tuple[float, ...]:
+        """(6,) innovations of the latest line of each encoder, in their deviations."""
+        return tuple(self._memory[Memory.innovation : Memory.unchanged].tolist())
+
+    @property
+    def health(self) -> Health:
+        """What navigation thinks of its sensors."""
+        memory = self._memory
+        flags = memory[Memory.lost : Memory.agreed].tolist()
+        return Health(
+            known=self._known,
+            standing=bool(memory[Memory.standing] > 0.0),
+            without_imu=bool(memory[Memory.coasting] > 0.0),
+            lost=tuple(name for name, flag in zip(ENCODER_NAMES, flags, strict=True) if flag > 0.0),
+            refused=tuple(int(number) for number in memory[Memory.refused : Memory.innovation]),
+            gyro_jumps=int(memory[Memory.jumps : Memory.since_jump].sum()),
+            force_jumps=int(memory[Memory.force_jumps]),
+            restarts=self._restarts,
+            rejected=self._rejected,
+        )
+
+    # The beginning -------------------------------------------------------------------------------------
+
+    def _await(
+        self,
+        arms: Sequence[float],
+        gimbal: Sequence[float],
+        indexed: Sequence[float],
+        gyro: Sequence[float],
+        accelerometer: Sequence[float],
+        imu_valid: bool,
+    ) -> None:
+        """Nothing is known yet: take means of the gyros at rest, begin as soon as the encoders are absolute."""
+        self._known = False
+        require_finite("encoders", (*arms, *gimbal))
+        if imu_valid:
+            require_finite("imu", (*gyro, *accelerometer))
+            self._rest.add((*arms, *gimbal), gyro)
+        if min(indexed) < 0.5:
+            return
+        angles = (arms[0], arms[1], arms[2])
+        try:
+            position = position_from_arms(angles, self._geometry)
+            jacobian = np.array(arm_jacobian(angles, position, self._geometry))
+        except ValueError:
+            self._rejected += 1
+            return
+        self._begin(position, jacobian, angles, gimbal, gyro, accelerometer, imu_valid)
+
+    def _begin(
+        self,
+        position: Vector3,
+        jacobian: Array,
+        arms: Sequence[float],
+        gimbal: Sequence[float],
+        gyro: Sequence[float],
+        accelerometer: Sequence[float],
+        imu_valid: bool,
+    ) -> None:
+        """Begin where the counts say, each angle in the middle of its cell."""
+        c, memory = self._constants, blank_memory()
+        psi, theta, phi = gimbal
+        orient(psi, theta, phi, self._work)
+        body = self._work[Work.body : Work.rates].reshape(3, 3)
+        lever = body @ (c.x, c.y, c.z)
+        memory[Estimate.position : Estimate.velocity] = np.array(position) + lever
+        memory[Estimate.angle : Estimate.gyro_bias] = gimbal
+        bias, variance = self._rest.bias(c.gyro_density, c.gyro_bias)
+        memory[Estimate.gyro_bias : Estimate.force_bias] = bias
+        covariance = np.zeros((SIZE, SIZE))
+        covariance[:3, :3] = jacobian @ jacobian.T * c.cell_variance
+        slope = self._lever_slope(lever, body)
+        covariance[:3, :3] += slope @ slope.T * c.cell_variance
+        covariance[:3, 6:9] = slope * c.cell_variance
+        covariance[6:9, :3] = covariance[:3, 6:9].T
+        parts = (
+            (Estimate.velocity, BEGINNING_SPEED**2),
+            (Estimate.angle, c.cell_variance),
+            (Estimate.gyro_bias, variance),
+            (Estimate.force_bias, c.accelerometer_bias),
+        )
+        for first, size in parts:
+            for axis in range(3):
+                covariance[first + axis, first + axis] = size
+        memory[Memory.covariance : Memory.gyro] = covariance.ravel()
+        if imu_valid:
+            memory[Memory.gyro : Memory.force], memory[Memory.force : Memory.line] = gyro, accelerometer
+        else:
+            memory[Memory.gyro : Memory.force] = bias
+        memory[Memory.line : Memory.age] = np.floor(np.array((*arms, *gimbal)) / c.count + 0.5)
+        memory[Memory.since_jump : Memory.again] = 1e3
+        self._memory, self._known = memory, True
+
+    @staticmethod
+    def _lever_slope(lever: Array, body: Array) -> Array:
+        """(3, 3) derivative of the lever C d by yaw, pitch, roll."""
+        cosine = math.hypot(body[0, 0], body[1, 0])
+        right = np.array([-body[1, 0], body[0, 0], 0.0]) / cosine
+        axes = (np.array([0.0, 0.0, 1.0]), right, body[:, 0])
+        return np.stack([np.cross(axis, lever) for axis in axes], axis=1)
+
+    def _three(self, first: int) -> Vector3:
+        a, b, c = self._memory[first : first + 3].tolist()
+        return (a, b, c)
