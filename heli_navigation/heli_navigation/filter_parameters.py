@@ -35,7 +35,7 @@ class FilterParameters:
         0.003, "m/s^2/sqrt(Hz)", "D", "noise of an accelerometer", 1e-5, 10.0
     )
     accelerometer_walk: float = quantity(
-        0.0005, "m/s^2/sqrt(s)", "D", "walk of an accelerometer's bias", 0.0, 1.0
+        0.0002, "m/s^2/sqrt(s)", "D", "walk of an accelerometer's bias", 0.0, 1.0
     )
     accelerometer_bias: float = quantity(
         0.1, "m/s^2", "D", "deviation of an accelerometer's bias at power-up", 1e-3, 10.0
@@ -44,7 +44,7 @@ class FilterParameters:
     vibration_twice: float = quantity(0.8, "m/s^2", "D", "rotor vibration at 2/rev, z", 0.0, 100.0)
     rotor_speed: float = quantity(163.363, "rad/s", "T", "rotor speed of the vibration", 1.0, 400.0)
     line_error: float = quantity(
-        0.02, "count", "D", "deviation of an encoder's line from its place", 1e-3, 0.5
+        0.01, "count", "D", "deviation of an encoder's line from its place", 1e-3, 0.5
     )
     gate: float = quantity(5.0, "", "D", "innovation that is not believed, in its deviations", 2.0, 100.0)
     patience: float = quantity(0.05, "s", "D", "disagreement after which a sensor is judged", 0.005, 10.0)
