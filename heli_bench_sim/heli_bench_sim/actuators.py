@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from heli_bench_sim import drive, servos
 from heli_bench_sim.motion import BenchConstants, BenchState
 from heli_bench_sim.servos import SERVOS
 from heli_bench_sim.states import Input, State
+from heli_common.compiled import compiled
 
 Array = NDArray[np.float64]
 
@@ -33,41 +35,62 @@ class ActuatorState:
     """[A]"""
 
 
-def actual_inputs(state: Array, command: Array, c: BenchConstants) -> Array:
+@compiled
+def read_actuators(state: Array, command: Array, box: Sequence[BenchConstants], out: Array) -> None:
+    """Write what servos and drive do now into `out`.
+
+    Args:
+        state: (29,) of the bench.
+        command: (5,) shaft commands [rad] and control voltage [V].
+        box: constants of the bench, boxed.
+        out: (9,) receives four blade angles [rad], their rates [rad/s] and the motor's current [A].
+    """
+    c = box[0]
+    angles = servos.unmix(state, BenchState.shaft, c.servo)
+    rates = servos.unmix(state, BenchState.shaft_rate, c.servo)
+    for blade in range(SERVOS):
+        out[blade] = angles[blade]
+        out[SERVOS + blade] = rates[blade]
+    # a rate has no neutral angle
+    out[SERVOS + Input.theta_0] -= c.servo.collective_neutral
+    out[SERVOS + Input.theta_t] -= c.servo.tail_neutral
+    out[2 * SERVOS] = drive.current(command[SERVOS], state[State.Omega], c.helicopter)
+
+
+def actual_inputs(state: Array, command: Array, box: Sequence[BenchConstants]) -> Array:
     """(5,) blade angles as the servos hold them now [rad], and the control voltage [V].
 
     Args:
         state: (29,) of the bench.
         command: (5,) shaft commands [rad] and control voltage [V].
-        c: constants of the bench.
+        box: constants of the bench, boxed.
     """
-    return np.array([*servos.unmix(state, BenchState.shaft, c.servo), command[SERVOS]])
+    read = np.empty(2 * SERVOS + 1)
+    read_actuators(state, command, box, read)
+    read[SERVOS] = command[SERVOS]
+    return read[: SERVOS + 1]
 
 
-def actuator_state(state: Array, command: Array, saturated: bool, c: BenchConstants) -> ActuatorState:
+def actuator_state(
+    state: Array, command: Array, saturated: bool, motor_gear: float, box: Sequence[BenchConstants]
+) -> ActuatorState:
     """Actual angles, rates, torque and current.
 
     Args:
         state: (29,) of the bench.
         command: (5,) shaft commands [rad] and control voltage [V].
         saturated: whether the limits changed the latest servo command.
-        c: constants of the bench.
+        motor_gear: motor turns per rotor turn.
+        box: constants of the bench, boxed.
     """
-    inputs = actual_inputs(state, command, c)
-    moving = np.array(servos.unmix(state, BenchState.shaft_rate, c.servo))
-    # a rate has no neutral angle
-    moving[Input.theta_0] -= c.servo.collective_neutral
-    moving[Input.theta_t] -= c.servo.tail_neutral
-    omega = float(state[State.Omega])
+    read = np.empty(2 * SERVOS + 1)
+    read_actuators(state, command, box, read)
+    b_1s, a_1s, theta_0, theta_t, *rates, current = read.tolist()
     return ActuatorState(
-        angles=_four(inputs),
-        angle_rates=_four(moving),
+        angles=(b_1s, a_1s, theta_0, theta_t),
+        angle_rates=(rates[0], rates[1], rates[2], rates[3]),
         saturated=saturated,
-        motor_speed=c.helicopter.motor_gear * omega,
+        motor_speed=motor_gear * float(state[State.Omega]),
         motor_torque=float(state[State.M_A]),
-        motor_current=float(drive.current(float(inputs[Input.U_mot]), omega, c.helicopter)),
+        motor_current=current,
     )
-
-
-def _four(values: Array) -> tuple[float, float, float, float]:
-    return float(values[0]), float(values[1]), float(values[2]), float(values[3])

@@ -29,7 +29,6 @@ from heli_bench_sim.sampling import WORK_SIZE, refresh, run, sense
 from heli_bench_sim.servos import SERVOS
 from heli_bench_sim.states import INPUT_SIZE, STATE_SIZE, State
 from heli_bench_sim.wind_generator import WIND_NORMALS, check_wind_command
-from heli_common.records import boxed
 from heli_common.timing import SENSOR_PERIOD, SENSOR_PERIOD_NS
 
 Array = NDArray[np.float64]
@@ -60,7 +59,6 @@ class Bench(BenchView):
         faults: FaultSchedule = NO_FAULTS,
     ) -> None:
         super().__init__(parameters or BenchParameters())
-        self._box = boxed(self._constants)
         self.seed = seed
         self.faults = FaultEffects(faults)
         self._own_imu = imu

@@ -17,6 +17,7 @@ from heli_bench_sim.room_air import RoomState
 from heli_bench_sim.states import STATE_SIZE, State
 from heli_bench_sim.validity import Violation, violations
 from heli_bench_sim.wind_generator import WindState
+from heli_common.records import boxed
 from heli_common.rotations import Euler, Vector3
 
 Array = NDArray[np.float64]
@@ -32,6 +33,7 @@ class BenchView:
     def __init__(self, parameters: BenchParameters) -> None:
         self.parameters = parameters
         self._constants = bench_constants(parameters)
+        self._box = boxed(self._constants)
         self._memory = blank_memory()
         self._state = self._memory[Memory.state : Memory.slope]
         self._command = self._memory[Memory.command : Memory.air]
@@ -171,11 +173,12 @@ class BenchView:
 
     def actuator_state(self) -> ActuatorState:
         """What servos and motor do now."""
-        return actuator_state(self._state, self._command, self._saturated, self._constants)
+        gear = self.parameters.helicopter.motor_gear
+        return actuator_state(self._state, self._command, self._saturated, gear, self._box)
 
     def _inputs(self) -> Array:
         """(5,) actual blade angles and control voltage."""
-        return actual_inputs(self._state, self._command, self._constants)
+        return actual_inputs(self._state, self._command, self._box)
 
     def _three(self, first: State, second: State, third: State) -> Vector3:
         state = self._state

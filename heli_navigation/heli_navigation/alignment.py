@@ -5,8 +5,9 @@ zero, its velocity is zero, and the accelerometers feel nothing but the stop:
 
     gyro = b_g + noise,   force = b_f - C' (0, 0, g) + noise
 
-What the gyros say is not used for the attitude at the same time, so their noise does not count twice. How far
-a cell lets something move unseen is put into the covariance when the helicopter begins to move.
+What the gyros say is not used for the attitude at the same time, so their noise does not count twice. Attitude
+and position are never taken for better known than a cell of the encoders tells: so far anything may creep
+unseen. A gyro that says otherwise ends the standing before a count does.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heli_common.compiled import compiled
-from heli_navigation.error_covariance import renew, shrink, widen
+from heli_navigation.error_covariance import keep_above, renew, shrink, widen
 from heli_navigation.filter_memory import SIZE, Estimate, Memory, Work
 from heli_navigation.filter_parameters import FilterConstants
 from heli_navigation.strapdown import lean, orient
 
 Array = NDArray[np.float64]
 
-_GYRO, _FORCE = int(Memory.gyro), int(Memory.force)
+_COVARIANCE, _GYRO, _FORCE = int(Memory.covariance), int(Memory.gyro), int(Memory.force)
 _P, _V, _E = int(Estimate.position), int(Estimate.velocity), int(Estimate.angle)
 _G, _F = int(Estimate.gyro_bias), int(Estimate.force_bias)
 _BODY, _LEAN = int(Work.body), int(Work.lean)
@@ -37,7 +38,13 @@ PUSHED_SPEED = 0.02
 """Deviation of the velocity with which it may leave [m/s]."""
 
 UNSEEN = 1e-3
-"""Deviation of how far it may have moved without a change of count [m]: 2.3 mm a count, spread evenly."""
+"""Deviation of how far it may have moved without a change of count [m]: up to 8 mm a count at the stop."""
+
+SMOOTHING = 0.1
+"""Time constant over which the gyros are smoothed to see whether it moves [s]."""
+
+MOVING = 25.0
+"""Square of the smoothed rate beyond which it does not stand, in its deviations."""
 
 GYRO_FLOOR = math.radians(0.01)
 """Creeping that no encoder sees: no bias is learnt more exactly than this while standing [rad/s]."""
@@ -79,11 +86,17 @@ def stand(
         renew(covariance, _V, STILL_SPEED * STILL_SPEED)
         for axis in range(3):
             memory[_V + axis] = 0.0
+            memory[Memory.drift + axis] = 0.0
+    if _moves(memory, gyro_x, gyro_y, gyro_z, c):
+        memory[Memory.unchanged] = 0.0
+        return False
     g, f = _GYRO, _FORCE
     memory[g], memory[g + 1], memory[g + 2] = gyro_x, gyro_y, gyro_z
     memory[f], memory[f + 1], memory[f + 2] = force_x, force_y, force_z
     widen(covariance, _G, c.gyro_walk * c.period)
     widen(covariance, _F, c.accelerometer_walk * c.period)
+    keep_above(covariance, _E, c.cell_variance)
+    keep_above(covariance, _P, UNSEEN * UNSEEN)
     for index in range(SIZE):
         work[_CORRECTION + index] = 0.0
     lean(0.0, 0.0, -c.gravity, work)
@@ -94,6 +107,20 @@ def stand(
     for index in range(SIZE):
         memory[index] += work[_CORRECTION + index]
     return True
+
+
+@compiled
+def _moves(memory: Array, gyro_x: float, gyro_y: float, gyro_z: float, c: FilterConstants) -> bool:
+    """Whether the gyros, smoothed, say more than their biases may; so does a jump of a bias."""
+    share, moves = c.period / SMOOTHING, False
+    noise = 0.5 * share * c.gyro_density / c.period
+    for axis in range(3):
+        reading = gyro_x if axis == 0 else (gyro_y if axis == 1 else gyro_z)
+        at = Memory.drift + axis
+        memory[at] += share * (reading - memory[_G + axis] - memory[at])
+        if memory[at] * memory[at] > MOVING * (noise + memory[_COVARIANCE + (SIZE + 1) * (_G + axis)]):
+            moves = True
+    return moves
 
 
 @compiled
@@ -138,15 +165,11 @@ def _learn_force(memory: Array, axis: int, c: FilterConstants, work: Array) -> N
 
 
 @compiled
-def leave_stand(memory: Array, c: FilterConstants) -> None:
-    """The helicopter begins to move: allow for what it may have moved already.
+def leave_stand(memory: Array) -> None:
+    """The helicopter begins to move: allow for the speed that it may have already.
 
     Args:
         memory: of the filter, in the parts of `Memory`.
-        c: constants of the filter.
     """
-    covariance = memory[Memory.covariance : Memory.gyro]
-    widen(covariance, _P, UNSEEN * UNSEEN)
-    widen(covariance, _V, PUSHED_SPEED * PUSHED_SPEED)
-    widen(covariance, _E, c.cell_variance)
+    widen(memory[Memory.covariance : Memory.gyro], _V, PUSHED_SPEED * PUSHED_SPEED)
     memory[Memory.standing] = 0.0

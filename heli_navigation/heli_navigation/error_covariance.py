@@ -188,6 +188,21 @@ def widen(covariance: Array, first: int, variance: float) -> None:
 
 
 @compiled
+def keep_above(covariance: Array, first: int, least: float) -> None:
+    """Raise the variances of three errors in a row where they are below the least there can be.
+
+    Args:
+        covariance: (225,) of the errors.
+        first: of the three in the order of `Estimate`.
+        least: variance.
+    """
+    for axis in range(3):
+        place = (SIZE + 1) * (first + axis)
+        if covariance[place] < least:
+            covariance[place] = least
+
+
+@compiled
 def renew(covariance: Array, first: int, variance: float) -> None:
     """Give three errors in a row a variance of their own and no covariance with anything.
 

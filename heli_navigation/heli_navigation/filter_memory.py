@@ -79,13 +79,17 @@ class Memory(IntEnum):
     """and their variances [rad^2/s^2]"""
     jumps = kept_variance + 3
     """jumps of a gyro's bias found so far, by the gimbal's axis that showed it: yaw, pitch, roll"""
-    since_jump = jumps + 3
-    """time since the latest of each [s]"""
-    again = since_jump + 3
-    """how many of each have followed each other closely"""
-    force_jumps = again + 3
+    silent = jumps + 3
+    """time for which each axis of the gimbal has been undecided, 0 if it is not [s]"""
+    force_jumps = silent + 3
     """jumps of the accelerometers' biases found so far"""
-    lines = force_jumps + 1
+    follow = force_jumps + 1
+    """how many of them have followed each other closely"""
+    calm = follow + 1
+    """time since the latest of them [s]"""
+    drift = calm + 1
+    """smoothed rates of the gyros, biases taken off, while the helicopter stands [rad/s]"""
+    lines = drift + 3
     """lines believed so far"""
     end = lines + 1
 

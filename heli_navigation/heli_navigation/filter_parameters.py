@@ -60,7 +60,7 @@ class FilterParameters:
         0.5, "rad/s^2/sqrt(Hz)", "D", "angular acceleration while there is no IMU", 1e-3, 100.0
     )
     coast_force: float = quantity(
-        0.3, "m/s^2/sqrt(Hz)", "D", "specific force beside the weight while there is no IMU", 1e-3, 100.0
+        0.2, "m/s^2/sqrt(Hz)", "D", "specific force beside the weight while there is no IMU", 1e-3, 100.0
     )
 
 

@@ -5,9 +5,12 @@ lines in a row outside the gate, or no line passed although the filter has long 
 to blame is decided by what the others say:
 
 - **One arm alone** disagrees with two arms and the IMU: its encoder is lost and no longer used. Several arms
-  together speak against the accelerometers: a jump of their bias is allowed for.
-- **A gimbal axis** stands against its gyro alone. A jump of the gyro's bias is allowed for; should that not
-  settle it, twice within a second, the encoder is lost.
+  together, or an arm while the attitude is in doubt, speak against the accelerometers: a jump of their bias is
+  allowed for.
+- **A gimbal axis** stands against its gyro alone: either the gyro's bias has jumped or the encoder is stuck.
+  Both are allowed for, and what the encoder does next decides. A line says that it is alive, so the gyro has
+  jumped; a second of silence in flight says that it is stuck, and it is lost. At the stop silence is no wonder
+  and the encoder is believed.
 
 A lost encoder is believed again after ten lines in a row where they should be, none further off than two
 counts: one that has stood still comes back, one that has lost counts does not.
@@ -26,7 +29,7 @@ from heli_navigation.filter_parameters import FilterConstants
 Array = NDArray[np.float64]
 
 _DOUBT, _LOST, _AGREED = int(Memory.doubt), int(Memory.lost), int(Memory.agreed)
-_JUMPS, _SINCE, _AGAIN = int(Memory.jumps), int(Memory.since_jump), int(Memory.again)
+_JUMPS, _SILENT = int(Memory.jumps), int(Memory.silent)
 _COVARIANCE = int(Memory.covariance)
 _RATES = int(Work.rates)
 _P, _V, _E = int(Estimate.position), int(Estimate.velocity), int(Estimate.angle)
@@ -44,9 +47,12 @@ TRUSTED_WITHIN = 2.0
 ARM_PATIENCE = 3.0
 """An arm is doubted so much longer than a gimbal axis, for the others to say what they see."""
 
-JUMPS_TO_LOSE = 3.0
-"""Jumps following each other within `CLOSELY` [s] after which the encoder is to blame."""
-CLOSELY = 1.0
+SILENCE = 1.0
+"""For which a doubted gimbal axis may pass no line in flight before its encoder is lost [s]."""
+
+FORCE_JUMPS = 3.0
+"""Jumps of the accelerometers within `CALM` [s] of each other after which the estimate is begun anew."""
+CALM = 2.0
 
 
 @compiled
@@ -105,34 +111,61 @@ def trust_line(memory: Array, encoder: int, innovation: float, inside: bool, c: 
 
 
 @compiled
-def judge(memory: Array, work: Array, c: FilterConstants) -> None:
-    """Decide about every encoder that has been doubted for too long.
+def confirm_line(memory: Array, encoder: int) -> None:
+    """Note a line within its gate; it also shows that an undecided gimbal axis is alive.
 
     Args:
         memory: of the filter, in the parts of `Memory`.
-        work: scratch in the order of `Work`; rates are read.
-        c: constants of the filter.
+        encoder: which.
     """
-    for axis in range(ENCODERS - ARMS):
-        memory[_SINCE + axis] += c.period
-    for encoder in range(ENCODERS):
-        if memory[_DOUBT + encoder] < patience(encoder, c) * (1.0 - 1e-9):
-            continue
-        if encoder < ARMS:
-            _judge_arm(memory, encoder, c)
-        else:
-            _judge_axis(memory, encoder - ARMS, work, c)
+    memory[_DOUBT + encoder] = 0.0
+    memory[Memory.lines] += 1.0
+    if encoder >= ARMS and memory[_SILENT + encoder - ARMS] > 0.0:
+        memory[_SILENT + encoder - ARMS] = 0.0
+        memory[_JUMPS + encoder - ARMS] += 1.0
 
 
 @compiled
-def _judge_arm(memory: Array, arm: int, c: FilterConstants) -> None:
-    alone = True
+def judge(memory: Array, depth: float, work: Array, c: FilterConstants) -> bool:
+    """Decide about every encoder that has been doubted for too long; False if nothing fits any more.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`.
+        depth: of the platform, NED z [m].
+        work: scratch in the order of `Work`; rates are read.
+        c: constants of the filter.
+    """
+    memory[Memory.calm] += c.period
+    for axis in range(ENCODERS - ARMS):
+        encoder = ARMS + axis
+        if memory[_DOUBT + encoder] >= patience(encoder, c) * (1.0 - 1e-9):
+            _judge_axis(memory, axis, work, c)
+        if memory[_SILENT + axis] > 0.0:
+            memory[_SILENT + axis] += c.period
+            if memory[_SILENT + axis] > SILENCE:
+                memory[_SILENT + axis] = 0.0
+                if depth > c.still_depth:
+                    memory[_JUMPS + axis] += 1.0
+                else:
+                    lose(memory, encoder)
+    for arm in range(ARMS):
+        if memory[_DOUBT + arm] >= patience(arm, c) * (1.0 - 1e-9) and not _judge_arm(memory, arm, c):
+            return False
+    return True
+
+
+@compiled
+def _judge_arm(memory: Array, arm: int, c: FilterConstants) -> bool:
+    alone = memory[Memory.coasting] == 0.0
+    for other in range(ENCODERS):
+        if other != arm and memory[_LOST + other] > 0.0:
+            alone = False
     for other in range(ARMS):
-        if other != arm and (memory[_LOST + other] > 0.0 or memory[_DOUBT + other] > 0.0):
+        if (other != arm and memory[_DOUBT + other] > 0.0) or memory[_SILENT + other] > 0.0:
             alone = False
     if alone:
         lose(memory, arm)
-        return
+        return True
     covariance = memory[_COVARIANCE : Memory.gyro]
     late = c.patience * ARM_PATIENCE
     widen(covariance, _F, c.force_jump)
@@ -141,18 +174,14 @@ def _judge_arm(memory: Array, arm: int, c: FilterConstants) -> None:
     memory[Memory.force_jumps] += 1.0
     for other in range(ARMS):
         memory[_DOUBT + other] = 0.0
+    memory[Memory.follow] = memory[Memory.follow] + 1.0 if memory[Memory.calm] < CALM else 1.0
+    memory[Memory.calm] = 0.0
+    return bool(memory[Memory.follow] < FORCE_JUMPS)
 
 
 @compiled
 def _judge_axis(memory: Array, axis: int, work: Array, c: FilterConstants) -> None:
-    memory[_AGAIN + axis] = memory[_AGAIN + axis] + 1.0 if memory[_SINCE + axis] < CLOSELY else 1.0
-    memory[_SINCE + axis] = 0.0
-    memory[_JUMPS + axis] += 1.0
-    memory[_DOUBT + ARMS + axis] = 0.0
-    if memory[_AGAIN + axis] >= JUMPS_TO_LOSE:
-        lose(memory, ARMS + axis)
-        return
-    # along the direction of the gyros that moves this angle
+    """Allow for a jump along the direction of the gyros that moves this angle."""
     length = 0.0
     for k in range(3):
         length += work[_RATES + 3 * axis + k] * work[_RATES + 3 * axis + k]
@@ -161,6 +190,9 @@ def _judge_axis(memory: Array, axis: int, work: Array, c: FilterConstants) -> No
             share = work[_RATES + 3 * axis + k] * work[_RATES + 3 * axis + other] / length
             memory[_COVARIANCE + SIZE * (_G + k) + _G + other] += share * c.bias_jump
     memory[_COVARIANCE + (SIZE + 1) * (_E + axis)] += 4.0 * c.cell_variance
+    memory[_DOUBT + ARMS + axis] = 0.0
+    if memory[Memory.coasting] == 0.0 and memory[_SILENT + axis] == 0.0:
+        memory[_SILENT + axis] = c.period
 
 
 @compiled

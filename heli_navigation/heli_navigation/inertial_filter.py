@@ -24,7 +24,7 @@ from heli_navigation.encoder_cells import beyond_cell, cell_innovation_variance,
 from heli_navigation.error_covariance import column_of_error, column_of_place, grow, shrink
 from heli_navigation.filter_memory import ARMS, ENCODERS, SIZE, Estimate, Memory, Work
 from heli_navigation.filter_parameters import FilterConstants
-from heli_navigation.gates import believable, doubt_line, judge, trust_line
+from heli_navigation.gates import believable, confirm_line, doubt_line, judge, trust_line
 from heli_navigation.strapdown import lean, orient, reckon
 
 Array = NDArray[np.float64]
@@ -38,6 +38,13 @@ _BODY, _RATES, _LEAN = int(Work.body), int(Work.rates), int(Work.lean)
 _RATE, _PUSH, _CORRECTION = int(Work.rate), int(Work.push), int(Work.correction)
 _SLOPE, _ANGLE = int(Work.slope), int(Work.angle)
 _PLACE, _SPEED, _TURNING = int(Work.place), int(Work.speed), int(Work.turning)
+
+CURVATURE = 3.0
+"""Second derivative of an arm's angle by the position [rad/m^2], 1.5 at the top and 6 at the bottom.
+
+What the derivative leaves out, half of this times the square of the error, does not matter while three arms
+hold the position to a millimetre; with two, it keeps them from telling what they cannot see.
+"""
 
 
 @compiled
@@ -91,11 +98,9 @@ def filter_step(
     ):
         return True
     if memory[Memory.standing] > 0.0:
-        leave_stand(memory, c)
+        leave_stand(memory)
     _predict(memory, gyro_x, gyro_y, gyro_z, force_x, force_y, force_z, imu_valid, c, work)
-    sound = _correct(memory, c, work)
-    judge(memory, work, c)
-    return sound
+    return _correct(memory, c, work) and judge(memory, work[_PLACE + 2], work, c)
 
 
 @compiled
@@ -213,12 +218,14 @@ def _correct(memory: Array, c: FilterConstants, work: Array) -> bool:
             expected += work[s] * work[d] + work[s + 1] * work[d + 1] + work[s + 2] * work[d + 2]
             expected += h6 * work[d + _E] + h7 * work[d + _E + 1] + h8 * work[d + _E + 2]
             variance = column_of_place(covariance, work[s], work[s + 1], work[s + 2], h6, h7, h8, work)
+            spread = CURVATURE * (covariance[0] + covariance[SIZE + 1] + covariance[2 * SIZE + 2])
+            bent = 0.75 * spread * spread
         else:
             index = _E + encoder - ARMS
             rate = work[_TURNING + encoder - ARMS]
             expected = memory[index] + work[_CORRECTION + index]
-            variance = column_of_error(covariance, index, work)
-        _weigh(memory, encoder, expected, rate, variance, c, work)
+            variance, bent = column_of_error(covariance, index, work), 0.0
+        _weigh(memory, encoder, expected, rate, variance, bent, c, work)
     total = 0.0
     for index in range(SIZE):
         memory[index] += work[_CORRECTION + index]
@@ -228,32 +235,39 @@ def _correct(memory: Array, c: FilterConstants, work: Array) -> bool:
 
 @compiled
 def _weigh(
-    memory: Array, encoder: int, expected: float, rate: float, variance: float, c: FilterConstants, work: Array
+    memory: Array,
+    encoder: int,
+    expected: float,
+    rate: float,
+    variance: float,
+    bent: float,
+    c: FilterConstants,
+    work: Array,
 ) -> None:
     """Decide what one encoder's count says beside what is expected, and take it in."""
     covariance = memory[Memory.covariance : Memory.gyro]
     line, before, age = line_of(work[_ANGLE + encoder], c), memory[_LINE + encoder], memory[_AGE + encoder]
     lost = memory[Memory.lost + encoder] > 0.0
+    undecided = encoder >= ARMS and memory[Memory.silent + encoder - ARMS] > 0.0
     memory[_LINE + encoder], memory[_AGE + encoder] = line, 0.0
     if line != before:
         if age > 1.0:  # passed some time ago, nobody knows when
             measured, noise = line * c.count, c.cell_variance
         else:
             measured, noise = passed(line, before, rate, c)
-        innovation, total = measured - expected, variance + noise
+        innovation, total = measured - expected, variance + noise + bent
         inside = believable(innovation, total, c)
         memory[Memory.innovation + encoder] = innovation / np.sqrt(total)
         if lost:
             trust_line(memory, encoder, innovation, inside, c)
         elif inside:
-            memory[Memory.doubt + encoder] = 0.0
-            memory[Memory.lines] += 1.0
+            confirm_line(memory, encoder)
             shrink(covariance, innovation, total, work)
         else:
             doubt_line(memory, encoder, c)
     elif not lost:
         off = beyond_cell(expected, line, c)
-        if not believable(off, variance + c.line_variance, c):
+        if not believable(off, variance + c.line_variance + bent, c):
             memory[Memory.doubt + encoder] += c.period
-        elif variance > c.cell_variance:
-            shrink(covariance, line * c.count - expected, cell_innovation_variance(variance, c), work)
+        elif variance > c.cell_variance and not undecided:
+            shrink(covariance, line * c.count - expected, cell_innovation_variance(variance, c) + bent, work)

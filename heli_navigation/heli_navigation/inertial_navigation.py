@@ -198,7 +198,7 @@ class InertialNavigation:
             without_imu=bool(memory[Memory.coasting] > 0.0),
             lost=tuple(name for name, flag in zip(ENCODER_NAMES, flags, strict=True) if flag > 0.0),
             refused=tuple(int(number) for number in memory[Memory.refused : Memory.innovation]),
-            gyro_jumps=int(memory[Memory.jumps : Memory.since_jump].sum()),
+            gyro_jumps=int(memory[Memory.jumps : Memory.silent].sum()),
             force_jumps=int(memory[Memory.force_jumps]),
             restarts=self._restarts,
             rejected=self._rejected,
@@ -273,7 +273,7 @@ class InertialNavigation:
         else:
             memory[Memory.gyro : Memory.force] = bias
         memory[Memory.line : Memory.age] = np.floor(np.array((*arms, *gimbal)) / c.count + 0.5)
-        memory[Memory.since_jump : Memory.again] = 1e3
+        memory[Memory.calm] = 1e3
         self._memory, self._known = memory, True
 
     @staticmethod
