@@ -31,7 +31,7 @@ def test_navigation_repeats_its_odometry(heli):
     heli.start_process(sys.executable, "-m", "heli_navigation.nodes.navigation_node", *running)
     player = heli.start_process(
         *(sys.executable, "-m", "heli_flight.nodes.replay_node", "flights/b", *running),
-        *("-p", "topics:=encoders,rotor", "-p", "rate:=20.0"),
+        *("-p", "topics:=encoders,imu,rotor", "-p", "rate:=2.0"),
     )
     out, _ = listener.communicate(timeout=60)
     heard = [bytes.fromhex(line) for line in out.split()]

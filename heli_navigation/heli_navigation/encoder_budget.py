@@ -21,10 +21,9 @@ from math import cos, pi, sin, sqrt
 
 import numpy as np
 
-from heli_common.rig_geometry import RADIAN_PER_COUNT, RigGeometry
+from heli_common.rig_geometry import QUANTISATION_VARIANCE, RADIAN_PER_COUNT, RigGeometry
 from heli_common.rotations import Euler, Matrix3, Vector3
 from heli_navigation.arm_kinematics import arm_jacobian, arms_from_position
-from heli_navigation.navigator import QUANTISATION_VARIANCE
 
 AZIMUTHS = tuple(index * pi / 36.0 for index in range(72))
 """Where a ring of the work space is searched for its worst point: every 5 deg [rad]."""

@@ -162,7 +162,14 @@ def _gyro_noise(variance: float, c: FilterConstants, out: Array) -> None:
             out[t + 6 * row + column] += variance * ((square if row == column else 0.0) - d[row] * d[column])
         out[t + 6 * (3 + row) + 3 + row] += variance
     # d x n: the matrix of the cross product, and its transpose
-    for row, column, share in ((0, 1, -c.z), (0, 2, c.y), (1, 0, c.z), (1, 2, -c.x), (2, 0, -c.y), (2, 1, c.x)):
+    for row, column, share in (
+        (0, 1, -c.z),
+        (0, 2, c.y),
+        (1, 0, c.z),
+        (1, 2, -c.x),
+        (2, 0, -c.y),
+        (2, 1, c.x),
+    ):
         out[t + 6 * row + 3 + column] += variance * share
         out[t + 6 * (3 + column) + row] += variance * share
 

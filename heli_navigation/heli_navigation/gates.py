@@ -12,8 +12,9 @@ to blame is decided by what the others say:
   jumped; a second of silence in flight says that it is stuck, and it is lost. At the stop silence is no wonder
   and the encoder is believed.
 
-A lost encoder is believed again after ten lines in a row where they should be, none further off than two
-counts: one that has stood still comes back, one that has lost counts does not.
+A lost encoder is believed again when it comes back with a jump that brings it near to where it should be, as
+one does that was stuck; or after ten lines in a row none of which was further off than one count. One that has
+lost counts does neither.
 """
 
 from __future__ import annotations
@@ -39,16 +40,20 @@ LINES_TO_DOUBT = 3
 """Lines in a row outside the gate that are as bad as waiting for `patience`."""
 
 LINES_TO_TRUST = 10.0
-"""Lines in a row in their place after which a lost encoder is believed again."""
+TRUSTED_WITHIN = 1.0
+"""Lines in a row so near to their place [counts] after which a lost encoder is believed again."""
 
-TRUSTED_WITHIN = 2.0
-"""How far off such a line may be at most [counts]."""
+JUMP_TO_TRUST = 3.0
+"""Jump of a lost encoder that may bring it back [counts]; none turns so fast. It shall at least halve the way."""
 
 ARM_PATIENCE = 3.0
 """An arm is doubted so much longer than a gimbal axis, for the others to say what they see."""
 
 SILENCE = 1.0
 """For which a doubted gimbal axis may pass no line in flight before its encoder is lost [s]."""
+
+HELD_PLACE, HELD_SPEED, HELD_FORCE = 0.005, 0.02, 0.02
+"""What the cell of a stuck arm may have done to position [m], velocity [m/s] and bias [m/s^2]."""
 
 FORCE_JUMPS = 3.0
 """Jumps of the accelerometers within `CALM` [s] of each other after which the estimate is begun anew."""
@@ -92,21 +97,23 @@ def patience(encoder: int, c: FilterConstants) -> float:
 
 
 @compiled
-def trust_line(memory: Array, encoder: int, innovation: float, inside: bool, c: FilterConstants) -> None:
-    """Note a line of a lost encoder; believe it again once ten in a row were in their place.
+def trust_line(
+    memory: Array, encoder: int, jump: float, innovation: float, inside: bool, c: FilterConstants
+) -> None:
+    """Note a line of a lost encoder; believe it again if it came back, or has long been right.
 
     Args:
         memory: of the filter, in the parts of `Memory`.
         encoder: which.
+        jump: by how many counts it has changed.
         innovation: measured less expected [rad].
         inside: whether it was within its gate.
         c: constants of the filter.
     """
-    if inside and abs(innovation) < TRUSTED_WITHIN * c.count:
-        memory[_AGREED + encoder] += 1.0
-    else:
-        memory[_AGREED + encoder] = 0.0
-    if memory[_AGREED + encoder] >= LINES_TO_TRUST:
+    off = abs(innovation) / c.count
+    back = inside and abs(jump) >= JUMP_TO_TRUST and off <= 0.5 * abs(jump)
+    memory[_AGREED + encoder] = memory[_AGREED + encoder] + 1.0 if inside and off <= TRUSTED_WITHIN else 0.0
+    if back or memory[_AGREED + encoder] >= LINES_TO_TRUST:
         memory[_LOST + encoder], memory[_DOUBT + encoder], memory[_AGREED + encoder] = 0.0, 0.0, 0.0
 
 
@@ -163,10 +170,15 @@ def _judge_arm(memory: Array, arm: int, c: FilterConstants) -> bool:
     for other in range(ARMS):
         if (other != arm and memory[_DOUBT + other] > 0.0) or memory[_SILENT + other] > 0.0:
             alone = False
+    covariance = memory[_COVARIANCE : Memory.gyro]
     if alone:
+        if memory[Memory.innovation + arm] * memory[Memory.innovation + arm] <= c.gate:
+            # it has stood still for an unknown time, and its cell has held the estimate
+            widen(covariance, _P, HELD_PLACE * HELD_PLACE)
+            widen(covariance, _V, HELD_SPEED * HELD_SPEED)
+            widen(covariance, _F, HELD_FORCE * HELD_FORCE)
         lose(memory, arm)
         return True
-    covariance = memory[_COVARIANCE : Memory.gyro]
     late = c.patience * ARM_PATIENCE
     widen(covariance, _F, c.force_jump)
     widen(covariance, _V, c.force_jump * late * late)

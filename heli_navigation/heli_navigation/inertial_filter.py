@@ -21,7 +21,7 @@ from heli_navigation.alignment import leave_stand, stand
 from heli_navigation.arm_angle import OUT_OF_REACH, arm_angle
 from heli_navigation.coasting import begin_coast, end_coast
 from heli_navigation.encoder_cells import beyond_cell, cell_innovation_variance, line_of, passed
-from heli_navigation.error_covariance import column_of_error, column_of_place, grow, shrink
+from heli_navigation.error_covariance import column_of_error, column_of_place, grow, shrink, widen
 from heli_navigation.filter_memory import ARMS, ENCODERS, SIZE, Estimate, Memory, Work
 from heli_navigation.filter_parameters import FilterConstants
 from heli_navigation.gates import believable, confirm_line, doubt_line, judge, trust_line
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 _COVARIANCE = int(Memory.covariance)
 _GYRO, _FORCE = int(Memory.gyro), int(Memory.force)
-_LINE, _AGE = int(Memory.line), int(Memory.age)
+_LINE, _AGE, _LOST = int(Memory.line), int(Memory.age), int(Memory.lost)
 _P, _V, _E = int(Estimate.position), int(Estimate.velocity), int(Estimate.angle)
 _G, _F = int(Estimate.gyro_bias), int(Estimate.force_bias)
 _BODY, _RATES, _LEAN = int(Work.body), int(Work.rates), int(Work.lean)
@@ -39,11 +39,21 @@ _RATE, _PUSH, _CORRECTION = int(Work.rate), int(Work.push), int(Work.correction)
 _SLOPE, _ANGLE = int(Work.slope), int(Work.angle)
 _PLACE, _SPEED, _TURNING = int(Work.place), int(Work.speed), int(Work.turning)
 
-CURVATURE = 3.0
+CURVATURE = 7.0
 """Second derivative of an arm's angle by the position [rad/m^2], 1.5 at the top and 6 at the bottom.
 
 What the derivative leaves out, half of this times the square of the error, does not matter while three arms
 hold the position to a millimetre; with two, it keeps them from telling what they cannot see.
+"""
+
+TWO_ARM_WALK = 0.01
+"""Random walk [m/sqrt(s)] by which two arms alone lose the position: their curvature misleads a linear filter."""
+
+OUTSIDE = 1.25
+"""How far from the middle of a cell [counts] what is expected speaks against the cell that bounds it.
+
+That is three deviations of two numbers both known to count / sqrt(12); a stuck encoder would else hold the
+filter while the helicopter drifts.
 """
 
 
@@ -91,15 +101,26 @@ def filter_step(
     """
     c = box[0]
     a = _ANGLE
-    work[a], work[a + 1], work[a + 2], work[a + 3], work[a + 4], work[a + 5] = arm_1, arm_2, arm_3, yaw, pitch, roll
+    work[a], work[a + 1], work[a + 2], work[a + 3], work[a + 4], work[a + 5] = (
+        arm_1,
+        arm_2,
+        arm_3,
+        yaw,
+        pitch,
+        roll,
+    )
     _watch(memory, work, c)
-    if memory[Memory.unchanged] >= c.still_time and imu_valid and stand(
-        memory, gyro_x, gyro_y, gyro_z, force_x, force_y, force_z, c, work
+    if (
+        memory[Memory.unchanged] >= c.still_time
+        and imu_valid
+        and stand(memory, gyro_x, gyro_y, gyro_z, force_x, force_y, force_z, c, work)
     ):
         return True
     if memory[Memory.standing] > 0.0:
         leave_stand(memory)
     _predict(memory, gyro_x, gyro_y, gyro_z, force_x, force_y, force_z, imu_valid, c, work)
+    if memory[_LOST] + memory[_LOST + 1] + memory[_LOST + 2] > 0.0:
+        widen(memory[Memory.covariance : Memory.gyro], _P, TWO_ARM_WALK * TWO_ARM_WALK * c.period)
     return _correct(memory, c, work) and judge(memory, work[_PLACE + 2], work, c)
 
 
@@ -259,7 +280,7 @@ def _weigh(
         inside = believable(innovation, total, c)
         memory[Memory.innovation + encoder] = innovation / np.sqrt(total)
         if lost:
-            trust_line(memory, encoder, innovation, inside, c)
+            trust_line(memory, encoder, line - before, innovation, inside, c)
         elif inside:
             confirm_line(memory, encoder)
             shrink(covariance, innovation, total, work)
@@ -270,4 +291,7 @@ def _weigh(
         if not believable(off, variance + c.line_variance + bent, c):
             memory[Memory.doubt + encoder] += c.period
         elif variance > c.cell_variance and not undecided:
-            shrink(covariance, line * c.count - expected, cell_innovation_variance(variance, c) + bent, work)
+            innovation = line * c.count - expected
+            if abs(innovation) > OUTSIDE * c.count:
+                memory[Memory.doubt + encoder] += c.period
+            shrink(covariance, innovation, cell_innovation_variance(variance, c) + bent, work)

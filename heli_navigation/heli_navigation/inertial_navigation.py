@@ -19,7 +19,7 @@ from heli_common.rig_geometry import ENCODER_NAMES, RigGeometry
 from heli_common.rotations import Euler, Vector3
 from heli_common.vehicle_state import VehicleState
 from heli_navigation.arm_kinematics import arm_jacobian, position_from_arms
-from heli_navigation.filter_memory import ARMS, ENCODERS, SIZE, Estimate, Memory, Work, blank_memory
+from heli_navigation.filter_memory import ENCODERS, SIZE, Estimate, Memory, Work, blank_memory
 from heli_navigation.filter_outputs import TWIST, Output, read_covariance, read_motion
 from heli_navigation.filter_parameters import FilterConstants, FilterParameters, filter_constants
 from heli_navigation.first_rest import FirstRest
@@ -34,7 +34,12 @@ BEGINNING_SPEED = 0.3
 _NOWHERE = VehicleState((0.0, 0.0, 0.0), Euler(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False)
 _NAN = (math.nan, math.nan, math.nan)
 _NONE = (0.0, 0.0, 0.0)
-_ALL_INDEXED = (1.0,) * ENCODERS
+_COUNTERS = (
+    (Memory.refused, Memory.innovation),
+    (Memory.jumps, Memory.silent),
+    (Memory.force_jumps, Memory.follow),
+    (Memory.lines, Memory.end),
+)
 
 
 @dataclass(frozen=True)
@@ -74,9 +79,13 @@ class InertialNavigation:
         geometry: of the rig.
     """
 
-    def __init__(self, parameters: FilterParameters | None = None, geometry: RigGeometry | None = None) -> None:
+    def __init__(
+        self, parameters: FilterParameters | None = None, geometry: RigGeometry | None = None
+    ) -> None:
         self._geometry = geometry or RigGeometry()
-        self._constants: FilterConstants = packed(filter_constants(parameters or FilterParameters(), self._geometry))
+        self._constants: FilterConstants = packed(
+            filter_constants(parameters or FilterParameters(), self._geometry)
+        )
         self._box = boxed(self._constants)
         self._memory, self._work = blank_memory(), np.zeros(Work.end)
         self._rows, self._out = np.zeros(TWIST * SIZE), np.zeros(Output.end)
@@ -217,11 +226,11 @@ class InertialNavigation:
     ) -> None:
         """Nothing is known yet: take means of the gyros at rest, begin as soon as the encoders are absolute."""
         self._known = False
-        require_finite("encoders", (*arms, *gimbal))
+        angles_now = (*arms, *gimbal)
         if imu_valid:
             require_finite("imu", (*gyro, *accelerometer))
-            self._rest.add((*arms, *gimbal), gyro)
-        if min(indexed) < 0.5:
+            self._rest.add(angles_now, gyro)
+        if min(indexed) < 0.5 or not all(map(math.isfinite, angles_now)):
             return
         angles = (arms[0], arms[1], arms[2])
         try:
@@ -274,6 +283,8 @@ class InertialNavigation:
             memory[Memory.gyro : Memory.force] = bias
         memory[Memory.line : Memory.age] = np.floor(np.array((*arms, *gimbal)) / c.count + 0.5)
         memory[Memory.calm] = 1e3
+        for first, end in _COUNTERS:  # what has happened stays known
+            memory[first:end] = self._memory[first:end]
         self._memory, self._known = memory, True
 
     @staticmethod

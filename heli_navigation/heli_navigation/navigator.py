@@ -1,179 +1,213 @@
-"""Navigation from the rig's encoders: position, attitude, velocities and rates at 100 Hz (spec 6.1, 6.4).
+"""The navigation as a component: encoders, IMU and rotor speed in, odometry and what is known of the IMU out.
 
-Position is the forward kinematics of the arm angles, attitude the gimbal angles themselves. Velocities are
-differentiated in earth axes and turned into the body, rates follow from the differentiated Euler angles
-(source app. A.2):
-
-    p = phi' - psi' sin theta
-    q = theta' cos phi + psi' cos theta sin phi
-    r = -theta' sin phi + psi' cos theta cos phi
+Every sample of the encoders is taken together with the IMU's of the same stamp. Should the IMU fall silent,
+the navigation waits for it once, then goes on without until it speaks again; samples of the encoders that
+never come are gone over by what was known before them.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, sin
 
 from heli_common import topics
-from heli_common.component import Message, StampJoin
+from heli_common.component import Message
 from heli_common.finite import require_finite
 from heli_common.quantities import quantity
-from heli_common.rig_geometry import ENCODER_NAMES, RADIAN_PER_COUNT, RigGeometry
-from heli_common.rotations import Euler, Matrix3, Vector3, matrix_from_euler, rotate, transpose
-from heli_common.timing import CONTROL_PERIOD, SENSOR_PERIOD, SENSOR_PERIOD_NS, is_control_tick
-from heli_common.vehicle_state import UNKNOWN_VARIANCE, VehicleState, odometry_values, swap_earth
-from heli_navigation.arm_kinematics import arm_jacobian, position_from_arms, position_variance
-from heli_navigation.differentiator import Differentiator, LowPass
+from heli_common.rig_geometry import ENCODER_NAMES, RigGeometry
+from heli_common.rotations import Vector3
+from heli_common.timing import CONTROL_PERIOD, SENSOR_PERIOD_NS, is_control_tick
+from heli_common.vehicle_state import (
+    UNKNOWN_VARIANCE,
+    imu_attitude_values,
+    imu_from_values,
+    odometry_values,
+    odometry_with_covariance,
+    swap_body,
+)
+from heli_navigation.differentiator import LowPass
+from heli_navigation.filter_parameters import FilterParameters
+from heli_navigation.imu_attitude import ImuAttitude
+from heli_navigation.imu_attitude_parameters import ImuAttitudeParameters
+from heli_navigation.imu_monitor import ImuMonitor
+from heli_navigation.inertial_navigation import Health, InertialNavigation
 
-QUANTISATION_VARIANCE = RADIAN_PER_COUNT**2 / 12.0
-"""Of an encoder angle: uniformly distributed within one count [rad2]."""
+IMU_PATIENCE = 12
+"""Samples of the encoders for which the first missing one of the IMU is waited for: 30 ms."""
+
+NOISE_PERIOD_NS = 1_000_000_000
+"""How often the measured noise of the IMU is renewed."""
+
+LONGEST_SKIP = 400
+"""Lost samples that are gone over; after a longer silence the filter begins anew."""
 
 _FIRST_EFFORT = 2 * len(ENCODER_NAMES)
 _ROTOR_SPEED = topics.TOPICS["rotor"].layout.fields.index("velocity.rotor")
-_NOWHERE = VehicleState((0.0, 0.0, 0.0), Euler(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False)
 _UNKNOWN = (UNKNOWN_VARIANCE,) * 6
+_NOTHING: Vector3 = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class NavigationParameters:
-    """Bandwidths of the filters; their delays are 1.41/omega (velocity, rates) and about 1/omega - 5 ms."""
+    """What is no filter's own."""
 
-    velocity_bandwidth: float = quantity(
-        40.0, "rad/s", "D", "differentiator of the position: 35 ms late, 0.04 m/s per count", 5.0, 400.0
-    )
-    rate_bandwidth: float = quantity(
-        100.0, "rad/s", "D", "differentiator of the Euler angles: 14 ms late, 8 deg/s per count", 5.0, 400.0
-    )
     rotor_bandwidth: float = quantity(
         100.0, "rad/s", "D", "low-pass of the rotor speed: 6 ms late", 5.0, 1000.0
     )
 
 
 class Navigator:
-    """Encoders and rotor speed in, odometry and filtered rotor speed out.
+    """Component: Kalman filter of the bench, and the attitude by the IMU alone beside it.
 
-    While an encoder is not indexed nothing is known: pose and twist are zero with UNKNOWN_VARIANCE. Arm
-    angles that fit no position leave the state as it was, with UNKNOWN_VARIANCE, and are counted. After lost
-    or rejected samples the filters go on from the new pose with the old rates.
+    While an encoder is not indexed nothing is known: pose and twist are zero with UNKNOWN_VARIANCE.
 
     Args:
-        parameters: bandwidths.
+        parameters: of the rotor speed's filter.
         geometry: of the rig.
+        filter_parameters: of the Kalman filter.
+        attitude_parameters: of the attitude by the IMU alone.
 
     Attributes:
-        rejected: encoder samples whose arm angles fit no position.
-        gaps: times at which filters had to skip lost or rejected samples.
+        gaps: times at which samples of the encoders were missing.
     """
 
     name = topics.NAVIGATION
-    inputs: tuple[str, ...] = ("encoders", "rotor")
-    outputs: tuple[str, ...] = ("odometry", "rotor_state")
+    inputs: tuple[str, ...] = ("encoders", "imu", "rotor")
+    outputs: tuple[str, ...] = ("odometry", "odometry_imu", "imu_attitude", "imu_bias", "rotor_state")
 
-    def __init__(self, parameters: NavigationParameters, geometry: RigGeometry) -> None:
-        self.rejected = 0
+    def __init__(
+        self,
+        parameters: NavigationParameters,
+        geometry: RigGeometry,
+        filter_parameters: FilterParameters | None = None,
+        attitude_parameters: ImuAttitudeParameters | None = None,
+    ) -> None:
         self.gaps = 0
         self._geometry = geometry
-        velocity, rate = parameters.velocity_bandwidth, parameters.rate_bandwidth
-        self._filters = [Differentiator(velocity, SENSOR_PERIOD) for _ in range(3)]
-        self._filters += [Differentiator(rate, SENSOR_PERIOD) for _ in range(3)]
-        # (rate deviation / angle deviation)^2: a step is sqrt(12) quantisation deviations
-        self._velocity_factor = 12.0 * self._filters[0].quantisation_gain ** 2
-        self._rate_variance = 12.0 * self._filters[3].quantisation_gain ** 2 * QUANTISATION_VARIANCE
+        self._filter_parameters = filter_parameters or FilterParameters()
+        self._filter = InertialNavigation(self._filter_parameters, geometry)
+        self._by_imu = ImuAttitude(attitude_parameters)
+        self._monitor = ImuMonitor(attitude_parameters)
+        self._noise: tuple[float, ...] = (0.0,) * 6
+        self._gyro: Vector3 = _NOTHING
         self._rotor = LowPass(parameters.rotor_bandwidth, CONTROL_PERIOD)
-        self._join = StampJoin(self.inputs)
-        self._last_good_ns: int | None = None
-        self._state = _NOWHERE
-        self._angles: Vector3 = (0.0, 0.0, 0.0)
+        self._encoders: deque[tuple[int, Sequence[float]]] = deque()
+        self._imu: dict[int, Sequence[float]] = {}
+        self._imu_silent = False
+        self._last_ns: int | None = None
+        self._complaints = ""
+
+    @property
+    def health(self) -> Health:
+        """What the navigation thinks of its sensors."""
+        return self._filter.health
+
+    @property
+    def complaints(self) -> str:
+        """What is wrong with the sensors, for people; empty if nothing is."""
+        return self._complaints
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
-        """Take in one message; at a control tick the odometry and rotor state of both inputs.
+        """Take in one message; give back the outputs of every sample that is complete.
 
         Raises:
             ValueError: another topic, or a number that is not finite.
         """
+        if topic not in self.inputs:
+            raise ValueError(f"topic {topic!r} is none of {self.inputs}")
         require_finite(topic, values)
         if topic == "rotor":
-            ready = self._join.add(topic, stamp_ns, (self._rotor.step(values[_ROTOR_SPEED]),))
+            return [Message("rotor_state", stamp_ns, (0.0, self._rotor.step(values[_ROTOR_SPEED]), 0.0))]
+        if topic == "imu":
+            if self._last_ns is None or stamp_ns > self._last_ns:
+                self._imu[stamp_ns] = values
+            self._imu_silent = False
         else:
-            if topic != "encoders":
-                raise ValueError(f"topic {topic!r} is none of {self.inputs}")
-            self._update(stamp_ns, values)
-            if not is_control_tick(stamp_ns):
-                return []
-            ready = self._join.add(topic, stamp_ns, self._odometry())
-        if ready is None:
-            return []
-        return [
-            Message("odometry", stamp_ns, ready["encoders"]),
-            Message("rotor_state", stamp_ns, (0.0, ready["rotor"][0], 0.0)),
-        ]
+            self._encoders.append((stamp_ns, values))
+        return self._go_on()
 
-    def _update(self, stamp_ns: int, values: Sequence[float]) -> None:
-        """Bring state and filters to one encoder sample."""
-        if min(values[_FIRST_EFFORT:]) < 0.5:
-            for differentiator in self._filters:
-                differentiator.reset()
-            self._state, self._last_good_ns = _NOWHERE, None
-            return
-        angles = (values[0], values[1], values[2])
-        attitude = Euler(values[3], values[4], values[5])
-        try:
-            position = position_from_arms(angles, self._geometry)
-        except ValueError:
-            self.rejected += 1
-            self._state = self._state._replace(known=False)
-            return
-        if self._last_good_ns is not None and stamp_ns - self._last_good_ns != SENSOR_PERIOD_NS:
+    def _go_on(self) -> list[Message]:
+        """Take every sample of the encoders whose IMU sample is here, or is waited for no longer."""
+        sent: list[Message] = []
+        while self._encoders:
+            stamp_ns, values = self._encoders[0]
+            felt = self._imu.pop(stamp_ns, None)
+            if felt is None and not self._imu_silent:
+                if len(self._encoders) <= IMU_PATIENCE:
+                    break
+                self._imu_silent = True
+            self._encoders.popleft()
+            self._sample(stamp_ns, values, felt)
+            sent += self._outputs(stamp_ns)
+        if self._imu and self._last_ns is not None and min(self._imu) <= self._last_ns:
+            self._imu = {stamp: felt for stamp, felt in self._imu.items() if stamp > self._last_ns}
+        return sent
+
+    def _sample(self, stamp_ns: int, values: Sequence[float], felt: Sequence[float] | None) -> None:
+        """Bring the filters to one sample."""
+        if self._last_ns is not None and stamp_ns - self._last_ns != SENSOR_PERIOD_NS:
             self.gaps += 1
-            for differentiator, value in zip(self._filters, (*position, *attitude), strict=True):
-                differentiator.resume(value)
-            rates = [differentiator.rate for differentiator in self._filters]
-        else:
-            rates = [
-                differentiator.step(value)
-                for differentiator, value in zip(self._filters, (*position, *attitude), strict=True)
+            missing = (stamp_ns - self._last_ns) // SENSOR_PERIOD_NS - 1
+            if missing > LONGEST_SKIP:
+                self._filter = InertialNavigation(self._filter_parameters, self._geometry)
+            else:
+                self._filter.skip(missing)
+        self._last_ns = stamp_ns
+        gyro, accelerometer, valid = (_NOTHING, _NOTHING, False) if felt is None else imu_from_values(felt)
+        indexed = values[_FIRST_EFFORT:]
+        known = self._filter.known
+        self._filter.step(values[0:3], values[3:6], indexed, gyro, accelerometer, valid)
+        self._by_imu.step(gyro, accelerometer, valid)
+        if self._filter.known:
+            self._monitor.step(values[3:6], gyro, accelerometer, valid)
+            if not known:
+                self._by_imu.align(*self._filter.state.attitude)
+        self._gyro = gyro if valid else self._by_imu.bias
+
+    def _outputs(self, stamp_ns: int) -> list[Message]:
+        odometry = self._odometry()
+        sent = [Message("odometry_imu", stamp_ns, odometry)]
+        if is_control_tick(stamp_ns):
+            self._complaints = _complaints(self._filter.health)
+            if stamp_ns % NOISE_PERIOD_NS == 0:
+                self._noise = self._monitor.figures().noise
+            sent += [
+                Message("odometry", stamp_ns, odometry),
+                Message("imu_attitude", stamp_ns, self._imu_attitude()),
+                Message("imu_bias", stamp_ns, self._imu_bias()),
             ]
-        self._last_good_ns = stamp_ns
-        self._angles = angles
-        north, east, down, yaw_rate, pitch_rate, roll_rate = rates
-        velocity = rotate(transpose(matrix_from_euler(attitude)), (north, east, down))
-        body_rates = rates_from_euler(attitude, yaw_rate, pitch_rate, roll_rate)
-        self._state = VehicleState(position, attitude, velocity, body_rates)
+        return sent
 
     def _odometry(self) -> tuple[float, ...]:
-        """Numbers of the odometry message of the present state."""
-        state = self._state
+        state = self._filter.state
         if not state.known:
             return odometry_values(state, _UNKNOWN, _UNKNOWN)
-        jacobian = arm_jacobian(self._angles, state.position, self._geometry)
-        variance = position_variance(jacobian, QUANTISATION_VARIANCE)
-        factor = self._velocity_factor
-        moving = _turned_variance(matrix_from_euler(state.attitude), variance)
-        # the rig measures yaw, pitch and roll equally well, so near level the axes do not matter
-        east, north, up = swap_earth(variance)
-        pose = (east, north, -up, *(QUANTISATION_VARIANCE,) * 3)
-        twist = (factor * moving[0], factor * moving[1], factor * moving[2], *(self._rate_variance,) * 3)
-        return odometry_values(state, pose, twist)
+        return odometry_with_covariance(state, *self._filter.covariances)
+
+    def _imu_attitude(self) -> tuple[float, ...]:
+        """The attitude by the IMU alone, with the rates less its own bias."""
+        by_imu = self._by_imu
+        sigma, bias = by_imu.sigma, by_imu.bias
+        psi, theta, phi = (deviation * deviation for deviation in sigma[:3])
+        rates = (self._gyro[0] - bias[0], self._gyro[1] - bias[1], self._gyro[2] - bias[2])
+        return imu_attitude_values(by_imu.attitude, (phi, theta, psi), rates, sigma[3] * sigma[3])
+
+    def _imu_bias(self) -> tuple[float, ...]:
+        """FLU: biases as position, measured noise densities as velocity, the biases' deviations as effort."""
+        filter_ = self._filter
+        estimated = (*swap_body(filter_.gyro_bias), *swap_body(filter_.accelerometer_bias))
+        return (*estimated, *self._noise, *filter_.bias_deviations)
 
 
-def rates_from_euler(attitude: Euler, yaw_rate: float, pitch_rate: float, roll_rate: float) -> Vector3:
-    """p, q, r in body FRD from the derivatives of the Euler angles [rad/s] (source eq. A.11)."""
-    sin_phi, cos_phi = sin(attitude.phi), cos(attitude.phi)
-    sin_theta, cos_theta = sin(attitude.theta), cos(attitude.theta)
-    return (
-        roll_rate - yaw_rate * sin_theta,
-        pitch_rate * cos_phi + yaw_rate * cos_theta * sin_phi,
-        -pitch_rate * sin_phi + yaw_rate * cos_theta * cos_phi,
-    )
-
-
-def _turned_variance(c_nb: Matrix3, variance: Vector3) -> Vector3:
-    """Diagonal of C_nb' diag(variance) C_nb: earth variances seen along the body axes."""
-    a, b, c = c_nb
-    x, y, z = variance
-    return (
-        a[0] * a[0] * x + b[0] * b[0] * y + c[0] * c[0] * z,
-        a[1] * a[1] * x + b[1] * b[1] * y + c[1] * c[1] * z,
-        a[2] * a[2] * x + b[2] * b[2] * y + c[2] * c[2] * z,
-    )
+def _complaints(health: Health) -> str:
+    said = []
+    if health.known and health.without_imu:
+        said.append("no IMU")
+    if health.known and health.lost:
+        said.append(f"not believed: {', '.join(health.lost)}")
+    if health.gyro_jumps:
+        said.append(f"jumps of a gyro's bias so far: {health.gyro_jumps}")
+    if health.restarts:
+        said.append(f"begun anew so far: {health.restarts}")
+    return "; ".join(said)

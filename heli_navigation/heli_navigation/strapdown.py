@@ -43,7 +43,11 @@ def orient(psi: float, theta: float, phi: float, work: Array) -> None:
     sth, cth = math.sin(theta), math.cos(theta)
     sphi, cphi = math.sin(phi), math.cos(phi)
     b = _BODY
-    work[b], work[b + 1], work[b + 2] = cpsi * cth, cpsi * sth * sphi - spsi * cphi, cpsi * sth * cphi + spsi * sphi
+    work[b], work[b + 1], work[b + 2] = (
+        cpsi * cth,
+        cpsi * sth * sphi - spsi * cphi,
+        cpsi * sth * cphi + spsi * sphi,
+    )
     work[b + 3], work[b + 4], work[b + 5] = (
         spsi * cth,
         spsi * sth * sphi + cpsi * cphi,

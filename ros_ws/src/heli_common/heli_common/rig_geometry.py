@@ -12,6 +12,9 @@ COUNTS_PER_REVOLUTION = 2000
 
 RADIAN_PER_COUNT = 2.0 * math.pi / COUNTS_PER_REVOLUTION
 
+QUANTISATION_VARIANCE = RADIAN_PER_COUNT**2 / 12.0
+"""Of an encoder angle: uniformly distributed within one count [rad^2]."""
+
 ARM_AZIMUTH = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
 """Azimuth of the three arms [rad], from north (the nose at psi = 0), clockwise seen from above (D)."""
 

@@ -69,7 +69,7 @@ def _joints(*names: str) -> Layout:
 
 _TABLE = (
     Topic("encoders", _joints(*ENCODER_NAMES), SENSOR_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
-    Topic("imu", layout.imu(IMU_FRAME), SENSOR_PERIOD_NS, BENCH_SIM),
+    Topic("imu", layout.imu(IMU_FRAME), SENSOR_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
     Topic("rotor", _joints("rotor"), CONTROL_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
     Topic("actuator_state", _joints(*SERVO_CHANNELS, "motor"), CONTROL_PERIOD_NS, BENCH_SIM),
     Topic("ground_truth", layout.odometry(WORLD_FRAME, BODY_FRAME), CONTROL_PERIOD_NS, BENCH_SIM),
@@ -88,6 +88,9 @@ _TABLE = (
         NAVIGATION,
         (SUPERVISOR, POSITION_CONTROLLER, ATTITUDE_CONTROLLER),
     ),
+    Topic("odometry_imu", layout.odometry(WORLD_FRAME, BODY_FRAME), SENSOR_PERIOD_NS, NAVIGATION),
+    Topic("imu_attitude", layout.imu(IMU_FRAME), CONTROL_PERIOD_NS, NAVIGATION),
+    Topic("imu_bias", _joints(*IMU_AXES), CONTROL_PERIOD_NS, NAVIGATION),
     Topic("rotor_state", _joints("rotor"), CONTROL_PERIOD_NS, NAVIGATION, (SUPERVISOR, MOTOR_CONTROLLER)),
     Topic(
         "flight_state",

@@ -25,8 +25,10 @@ def filled(topic, stamp_ns, values):
     header = message if described.ros_type.endswith("Header") else getattr(message, "header", None)
     stamp = message.clock if header is None else header.stamp
     stamp.sec, stamp.nanosec = divmod(stamp_ns, 10**9)
-    worlds = dict.fromkeys(("odometry", "ground_truth", "reference", "wind"), "world")
-    frame = (worlds | {"velocity_reference": "heading", "imu": "imu_link"}).get(topic, "rig")
+    worlds = dict.fromkeys(("odometry", "odometry_imu", "ground_truth", "reference", "wind"), "world")
+    frame = (worlds | {"velocity_reference": "heading", "imu": "imu_link", "imu_attitude": "imu_link"}).get(
+        topic, "rig"
+    )
     if header is not None:
         header.frame_id = frame
     if hasattr(message, "child_frame_id"):

@@ -19,6 +19,8 @@ from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import GUSTY, Plan
 from heli_flight.stages import FlightLimits
 from heli_flight.supervisor import Supervisor
+from heli_navigation.filter_parameters import FilterParameters
+from heli_navigation.imu_attitude_parameters import ImuAttitudeParameters
 from heli_navigation.navigator import NavigationParameters, Navigator
 
 DEFAULTS = NodeValues()
@@ -39,12 +41,21 @@ def supervisor(plan: Plan, values: NodeValues = DEFAULTS) -> Supervisor:
     return Supervisor(values.build(topics.SUPERVISOR, FlightLimits), plan)
 
 
+def navigator(values: NodeValues = DEFAULTS) -> Navigator:
+    """The navigation."""
+    return Navigator(
+        values.build(topics.NAVIGATION, NavigationParameters),
+        values.build(topics.NAVIGATION, RigGeometry, "rig."),
+        values.build(topics.NAVIGATION, FilterParameters, "filter."),
+        values.build(topics.NAVIGATION, ImuAttitudeParameters, "imu_attitude."),
+    )
+
+
 def controllers(controller: ControllerFile, values: NodeValues = DEFAULTS) -> list[Component]:
     """Navigation and the three controllers."""
-    geometry = values.build(topics.NAVIGATION, RigGeometry, "rig.")
     attitude = values.build(topics.ATTITUDE_CONTROLLER, AttitudeParameters)
     return [
-        Navigator(values.build(topics.NAVIGATION, NavigationParameters), geometry),
+        navigator(values),
         PositionController(values.build(topics.POSITION_CONTROLLER, PositionParameters)),
         AttitudeController(controller, attitude),
         MotorController(values.build(topics.MOTOR_CONTROLLER, MotorParameters)),

@@ -166,12 +166,12 @@ class FlightRecord:
     @cached_property
     def truth(self) -> Motion:
         """The motion as it was (`ground_truth`)."""
-        return _motion(self.series["ground_truth"])
+        return motion_of(self.series["ground_truth"])
 
     @cached_property
     def estimate(self) -> Motion:
         """The motion as navigation saw it (`odometry`)."""
-        return _motion(self.series["odometry"])
+        return motion_of(self.series["odometry"])
 
     @cached_property
     def reference(self) -> tuple[Stamps, Array]:
@@ -251,7 +251,8 @@ class FlightRecord:
         return series.stamps, series.columns(tuple(f"position.{name}" for name in SERVO_CHANNELS))
 
 
-def _motion(series: Series) -> Motion:
+def motion_of(series: Series) -> Motion:
+    """The motion in the messages of an odometry topic."""
     values = series.values
     return Motion(
         series.stamps,

@@ -19,6 +19,8 @@ from heli_control.attitude_control import AttitudeParameters
 from heli_control.motor_control import MotorParameters
 from heli_control.position_control import PositionParameters
 from heli_flight.stages import FlightLimits
+from heli_navigation.filter_parameters import FilterParameters
+from heli_navigation.imu_attitude_parameters import ImuAttitudeParameters
 from heli_navigation.navigator import NavigationParameters
 
 Parameters = TypeVar("Parameters")
@@ -28,7 +30,12 @@ NODE_PARAMETERS: dict[str, list[tuple[str, Any]]] = {
         *((f"{field.name}.", group) for field, group in groups_of(BenchParameters)),
         ("watch.", WatchParameters()),
     ],
-    topics.NAVIGATION: [("", NavigationParameters()), ("rig.", RigGeometry())],
+    topics.NAVIGATION: [
+        ("", NavigationParameters()),
+        ("rig.", RigGeometry()),
+        ("filter.", FilterParameters()),
+        ("imu_attitude.", ImuAttitudeParameters()),
+    ],
     topics.SUPERVISOR: [("", FlightLimits())],
     topics.POSITION_CONTROLLER: [("", PositionParameters())],
     topics.ATTITUDE_CONTROLLER: [("", AttitudeParameters())],

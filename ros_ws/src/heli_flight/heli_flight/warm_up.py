@@ -12,6 +12,7 @@ from heli_control.controller_file import load_controller
 from heli_flight.components import bench_simulator, controllers, supervisor
 from heli_flight.in_process import InProcessGraph
 from heli_flight.plan import load_plan
+from heli_navigation.warm_up import warm_up as navigation_warm_up
 
 MARK = "complete"
 """File in the cache folder that says that everything is compiled."""
@@ -40,6 +41,7 @@ def warm_up(seconds: float = 0.1) -> float:
     graph = InProcessGraph(bench_simulator(1), parts, lambda *_: None)
     while graph.bench.stamp_ns < seconds * 1e9:
         graph.advance()
+    navigation_warm_up()
     write_atomically(cache_folder() / MARK, "")
     forget_old_kernels()
     return perf_counter() - started

@@ -17,7 +17,14 @@ from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.rotations import Euler
 from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
 from heli_common.topics import DATA_TOPICS, TOPICS
-from heli_common.vehicle_state import VehicleState, imu_values, odometry_values, pose_values, twist_values
+from heli_common.vehicle_state import (
+    VehicleState,
+    imu_attitude_values,
+    imu_values,
+    odometry_values,
+    pose_values,
+    twist_values,
+)
 from heli_flight.bag import BagWriter
 from heli_flight.plan import Home, Land, Plan, RunDown, RunUp, Step, TakeOff, load_plan
 
@@ -115,6 +122,8 @@ def messages(plan: Plan, wander: float = 0.012, seed: int = 0) -> Iterator[tuple
             "actuator_state": (*command.tolist(), 0.0, *(0.0,) * 9, voltage),
             "ground_truth": odometry_values(truth, [0.0] * 6, [0.0] * 6),
             "wind": (0.0, 0.0, 0.0),
+            "imu_attitude": imu_attitude_values(attitude, (1e-6, 1e-6, 1e-4), (0.0, 0.0, r), 1e-6),
+            "imu_bias": (0.0,) * 12 + (1e-3,) * 6,
             "bench_condition": (0.0,) * len(TOPICS["bench_condition"].layout.fields),
             "odometry": odometry_values(estimate, [1e-6] * 6, [1e-4] * 6),
             "rotor_state": (0.0, omega, 0.0),
@@ -134,6 +143,7 @@ def messages(plan: Plan, wander: float = 0.012, seed: int = 0) -> Iterator[tuple
             yield "encoders", sample, TOPICS["encoders"].layout.pack(sample, counts)
             felt = imu_values((0.0, 0.0, r), (float(ax), float(ay), -9.81), (1e-6, 1e-4))
             yield "imu", sample, TOPICS["imu"].layout.pack(sample, felt)
+            yield "odometry_imu", sample, TOPICS["odometry_imu"].layout.pack(sample, values["odometry"])
         for topic, numbers in values.items():
             yield topic, stamp, TOPICS[topic].layout.pack(stamp, numbers)
 

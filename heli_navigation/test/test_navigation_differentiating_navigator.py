@@ -16,10 +16,14 @@ from heli_common.timing import SENSOR_PERIOD_NS, is_control_tick
 from heli_common.topics import TOPICS
 from heli_common.vehicle_state import UNKNOWN_VARIANCE, VehicleState, state_from_odometry
 from heli_navigation.arm_kinematics import arm_jacobian
-from heli_navigation.navigator import NavigationParameters, Navigator, rates_from_euler
+from heli_navigation.differentiating_navigator import (
+    DifferentiatingNavigator,
+    DifferentiatorParameters,
+    rates_from_euler,
+)
 
 GEOMETRY = RigGeometry()
-PARAMETERS = NavigationParameters()
+PARAMETERS = DifferentiatorParameters()
 Motion = Callable[[float], tuple[Vector3, Euler]]
 
 
@@ -48,7 +52,9 @@ def rotor(speed: float) -> list[float]:
     return [0.0, speed, 0.0]
 
 
-def fly(navigator: Navigator, motion: Motion, duration: float, exact: bool = True) -> list[Message]:
+def fly(
+    navigator: DifferentiatingNavigator, motion: Motion, duration: float, exact: bool = True
+) -> list[Message]:
     """Messages sent while the helicopter moves as told from time 0."""
     sent = []
     for stamp in range(0, round(duration * 1e9), SENSOR_PERIOD_NS):
@@ -68,7 +74,7 @@ def still(position: Vector3, attitude: Euler) -> Motion:
 
 def test_standing_helicopter_is_where_its_encoders_say() -> None:
     position, attitude = (0.1, -0.2, 0.3), Euler(0.5, -0.1, 0.2)
-    sent = fly(Navigator(PARAMETERS, GEOMETRY), still(position, attitude), 0.03)
+    sent = fly(DifferentiatingNavigator(PARAMETERS, GEOMETRY), still(position, attitude), 0.03)
     assert [(m.topic, m.stamp_ns) for m in sent] == [
         (topic, stamp) for stamp in (0, 10_000_000, 20_000_000) for topic in ("odometry", "rotor_state")
     ]
@@ -84,13 +90,13 @@ def test_standing_helicopter_is_where_its_encoders_say() -> None:
 
 def test_flight_north_with_the_nose_east_is_velocity_to_the_left() -> None:
     motion: Motion = lambda time: ((0.2 * time - 0.1, 0.0, 0.0), Euler(math.pi / 2.0, 0.0, 0.0))  # noqa: E731
-    state = states(fly(Navigator(PARAMETERS, GEOMETRY), motion, 1.0))[-1]
+    state = states(fly(DifferentiatingNavigator(PARAMETERS, GEOMETRY), motion, 1.0))[-1]
     assert state.velocity == pytest.approx((0.0, -0.2, 0.0), abs=1e-9)
 
 
 def test_turning_helicopter_has_the_rates_of_the_kinematic_relation() -> None:
     motion: Motion = lambda time: ((0, 0, 0), Euler(0.8 * time, 0.2 + 0.1 * time, -0.1 + 0.3 * time))  # noqa: E731
-    state = states(fly(Navigator(PARAMETERS, GEOMETRY), motion, 0.6))[-1]
+    state = states(fly(DifferentiatingNavigator(PARAMETERS, GEOMETRY), motion, 0.6))[-1]
     assert state.rates == pytest.approx(rates_from_euler(state.attitude, 0.8, 0.1, 0.3), abs=1e-6)
 
 
@@ -113,7 +119,7 @@ def test_rates_agree_with_the_derivative_of_the_rotation_matrix(
 
 @pytest.mark.parametrize("missing", range(6))
 def test_nothing_is_known_until_every_encoder_is_indexed(missing: int) -> None:
-    navigator = Navigator(PARAMETERS, GEOMETRY)
+    navigator = DifferentiatingNavigator(PARAMETERS, GEOMETRY)
     values = encoders((0.1, 0.2, 0.3), Euler(0.5, 0.1, 0.1))
     values[12 + missing] = 0.0
     navigator.receive("rotor", 0, rotor(0.0))
@@ -125,7 +131,7 @@ def test_nothing_is_known_until_every_encoder_is_indexed(missing: int) -> None:
 
 
 def test_first_known_sample_starts_without_a_jump() -> None:
-    navigator = Navigator(PARAMETERS, GEOMETRY)
+    navigator = DifferentiatingNavigator(PARAMETERS, GEOMETRY)
     for stamp in range(0, 50_000_000, SENSOR_PERIOD_NS):
         # before the index pulse the counts are those from power-up
         navigator.receive("encoders", stamp, encoders((0.0, 0.0, 0.4), Euler(0.0, 0.0, 0.0), indexed=0.0))
@@ -138,7 +144,7 @@ def test_first_known_sample_starts_without_a_jump() -> None:
 
 
 def test_impossible_arms_keep_the_last_pose_and_are_counted() -> None:
-    navigator = Navigator(PARAMETERS, GEOMETRY)
+    navigator = DifferentiatingNavigator(PARAMETERS, GEOMETRY)
     motion: Motion = lambda time: ((0.2 * time, 0.0, 0.0), Euler(0.1, 0.0, 0.0))  # noqa: E731
     before = states(fly(navigator, motion, 0.5))[-1]
     wrong = encoders((0.1, 0.0, 0.0), Euler(0.1, 0.0, 0.0))
@@ -164,8 +170,11 @@ def test_impossible_arms_keep_the_last_pose_and_are_counted() -> None:
 def test_output_does_not_depend_on_how_the_inputs_interleave() -> None:
     motion: Motion = lambda time: ((0.1 * sin(3 * time), 0.05, 0.1), Euler(0.2 * time, 0.0, 0.1))  # noqa: E731
     stamps = range(0, 200_000_000, SENSOR_PERIOD_NS)
-    in_step = fly(Navigator(PARAMETERS, GEOMETRY), motion, 0.2, exact=False)
-    rotor_late, rotor_early = Navigator(PARAMETERS, GEOMETRY), Navigator(PARAMETERS, GEOMETRY)
+    in_step = fly(DifferentiatingNavigator(PARAMETERS, GEOMETRY), motion, 0.2, exact=False)
+    rotor_late, rotor_early = (
+        DifferentiatingNavigator(PARAMETERS, GEOMETRY),
+        DifferentiatingNavigator(PARAMETERS, GEOMETRY),
+    )
     late, early = [], []
     for stamp in stamps:
         late += rotor_late.receive("encoders", stamp, encoders(*motion(stamp * 1e-9)))
@@ -188,8 +197,8 @@ def test_error_over_sigma_is_about_one_or_less() -> None:
         wave = [float(amplitude[i] @ np.sin(omega * time + phase[i])) for i in range(6)]
         return (wave[0], wave[1], wave[2]), Euler(wave[3], wave[4], wave[5])
 
-    quantised = fly(Navigator(PARAMETERS, GEOMETRY), motion, 8.0, exact=False)
-    exact = fly(Navigator(PARAMETERS, GEOMETRY), motion, 8.0, exact=True)
+    quantised = fly(DifferentiatingNavigator(PARAMETERS, GEOMETRY), motion, 8.0, exact=False)
+    exact = fly(DifferentiatingNavigator(PARAMETERS, GEOMETRY), motion, 8.0, exact=True)
     sigma = [np.sqrt(np.abs(np.array(m.values))) for m in quantised if m.topic == "odometry"][200:]
     pairs = list(zip(states(quantised)[200:], states(exact)[200:], strict=True))
     north = [(a.position[0] - b.position[0]) / s[7 + 7] for (a, b), s in zip(pairs, sigma, strict=True)]
@@ -212,7 +221,7 @@ def test_error_over_sigma_is_about_one_or_less() -> None:
 
 def test_position_variance_is_in_enu_order() -> None:
     position = (0.4, 0.0, 0.1)
-    message = fly(Navigator(PARAMETERS, GEOMETRY), still(position, Euler(0, 0, 0)), 0.01)[0]
+    message = fly(DifferentiatingNavigator(PARAMETERS, GEOMETRY), still(position, Euler(0, 0, 0)), 0.01)[0]
     east, north, up = (message.values[7 + 7 * axis] for axis in range(3))
     jacobian = np.array(arm_jacobian(arms_of(position), position, GEOMETRY))
     variance = RADIAN_PER_COUNT**2 / 12.0 * np.diag(jacobian @ jacobian.T)
@@ -229,9 +238,9 @@ def test_a_number_that_is_not_finite_is_refused(topic: str, index: int, field: s
     values = encoders((0, 0, 0), Euler(0, 0, 0)) if topic == "encoders" else rotor(1.0)
     values[index] = value
     with pytest.raises(ValueError, match=f"{topic}: {field} is {value}"):
-        Navigator(PARAMETERS, GEOMETRY).receive(topic, 0, values)
+        DifferentiatingNavigator(PARAMETERS, GEOMETRY).receive(topic, 0, values)
 
 
 def test_another_topic_is_refused() -> None:
     with pytest.raises(ValueError, match="'odometry' is none of"):
-        Navigator(PARAMETERS, GEOMETRY).receive("odometry", 0, [0.0])
+        DifferentiatingNavigator(PARAMETERS, GEOMETRY).receive("odometry", 0, [0.0])
