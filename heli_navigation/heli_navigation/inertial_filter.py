@@ -39,14 +39,14 @@ _RATE, _PUSH, _CORRECTION = int(Work.rate), int(Work.push), int(Work.correction)
 _SLOPE, _ANGLE = int(Work.slope), int(Work.angle)
 _PLACE, _SPEED, _TURNING = int(Work.place), int(Work.speed), int(Work.turning)
 
-CURVATURE = 7.0
+CURVATURE = 15.0
 """Second derivative of an arm's angle by the position [rad/m^2], 1.5 at the top and 6 at the bottom.
 
 What the derivative leaves out, half of this times the square of the error, does not matter while three arms
 hold the position to a millimetre; with two, it keeps them from telling what they cannot see.
 """
 
-TWO_ARM_WALK = 0.01
+TWO_ARM_WALK = 0.0
 """Random walk [m/sqrt(s)] by which two arms alone lose the position: their curvature misleads a linear filter."""
 
 OUTSIDE = 1.25

@@ -75,6 +75,12 @@ class FlightLimits:
     minimum_rotor_fraction: float = quantity(
         0.8, "", "D", "rotor speed below which no flight goes on", 0.0, 1.0
     )
+    landing_deviation: float = quantity(
+        0.03, "m", "D", "position known no better than so: the helicopter is landed", 0.001, 1.0
+    )
+    maximum_deviation: float = quantity(
+        0.10, "m", "D", "position known no better than so: the flight is stopped", 0.001, 1.0
+    )
     rest_depth: float = quantity(0.45, "m", "D", "lower stop below the flight-space centre", 0.0, 2.0)
 
 

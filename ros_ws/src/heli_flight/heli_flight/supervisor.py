@@ -11,7 +11,7 @@ from heli_common.errors import InputError, SafetyStop
 from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.quantities import check_number
 from heli_common.rotations import Euler
-from heli_common.topics import SUPERVISOR
+from heli_common.topics import SUPERVISOR, TOPICS
 from heli_common.vehicle_state import pose_values, state_from_odometry
 from heli_flight.plan import Home, Hover, Land, Phase, Plan, RunDown, RunUp, TakeOff
 from heli_flight.plan_phases import WIND
@@ -24,6 +24,11 @@ COMMANDS: dict[str, tuple[Phase, ...]] = {
     "land": (Land(), RunDown()),
 }
 """What each service makes the bench do, beside `stop`."""
+
+
+_POSITION_VARIANCES = tuple(
+    TOPICS["odometry"].layout.fields.index(f"pose_covariance[{place}]") for place in (0, 7, 14)
+)
 
 
 class Supervisor:
@@ -53,6 +58,8 @@ class Supervisor:
         self._observation: Observation | None = None
         self._join = StampJoin(self.inputs)
         self._stop_requested = False
+        self._deviation = 0.0
+        self._landing_for = ""
 
     @property
     def state(self) -> FlightState:
@@ -67,6 +74,7 @@ class Supervisor:
         vehicle = state_from_odometry(joined["odometry"])
         rotor_speed = joined["rotor_state"][1]
         self._observation = Observation(stamp_ns * 1e-9, vehicle, rotor_speed)
+        self._deviation = math.sqrt(max(joined["odometry"][place] for place in _POSITION_VARIANCES))
         if not self.state.ended:
             try:
                 self._watch(self._observation)
@@ -144,6 +152,11 @@ class Supervisor:
         radius = math.hypot(vehicle.position[0], vehicle.position[1])
         if radius > limits.maximum_radius:
             raise SafetyStop(f"{radius:.2f} m from the axis (limit {limits.maximum_radius} m)")
+        if self._deviation > limits.maximum_deviation:
+            raise SafetyStop(f"position known to {1e3 * self._deviation:.0f} mm only")
+        if self._deviation > limits.landing_deviation and self.state is FlightState.FLYING:
+            self._landing_for = f"landed: position known to {1e3 * self._deviation:.0f} mm only"
+            self._queue, self._stage = deque(COMMANDS["land"]), None
         if seen.rotor_speed < limits.minimum_rotor_fraction * limits.nominal_rotor_speed:
             raise SafetyStop(f"rotor speed {seen.rotor_speed:.1f} rad/s is too low to fly")
 
@@ -163,6 +176,8 @@ class Supervisor:
             self._stage = None
 
     def _finish(self) -> None:
+        if self._landing_for:
+            raise SafetyStop(self._landing_for)
         self._reference.rotor_speed = self._reference.wind = 0.0
         self._reference.state = FlightState.STOPPED
 

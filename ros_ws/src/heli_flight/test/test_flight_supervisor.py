@@ -29,10 +29,11 @@ class Obedient:
         self.tick = 0
         self.position, self.rotor, self.known, self.tilt = (0.0, 0.0, DEPTH), 0.0, False, 0.0
         self.states, self.references = [], []
+        self.variance = 1e-6
 
     def step(self):
         stamp = self.tick * CONTROL_PERIOD_NS
-        variance = (1e-6 if self.known else UNKNOWN_VARIANCE,) * 6
+        variance = (self.variance if self.known else UNKNOWN_VARIANCE,) * 6
         zero = (0.0, 0.0, 0.0)
         vehicle = VehicleState(self.position, Euler(0.0, self.tilt, 0.0), zero, zero)
         assert self.supervisor.receive("rotor_state", stamp, (0.0, self.rotor, 0.0)) == []
@@ -120,6 +121,26 @@ def test_an_unsafe_flight_is_stopped_with_the_reason(change, words):
     # and it stays stopped
     flight.tilt, flight.position, flight.known = 0.0, (0.0, 0.0, 0.0), True
     assert flight.step() is FlightState.FAULT
+
+
+def test_a_position_that_gets_uncertain_is_landed_with_the_reason():
+    helicopter = Obedient(Supervisor(FlightLimits(), load_plan("hover_steps")))
+    while helicopter.step() is not FlightState.FLYING:
+        pass
+    helicopter.variance = 0.04**2
+    assert helicopter.run() is FlightState.FAULT
+    flown = [state.name for state in stages(helicopter.states)]
+    assert flown[-4:] == ["FLYING", "LANDING", "RUN_DOWN", "FAULT"]
+    assert helicopter.supervisor.reason.startswith("landed: position known to 40 mm only at ")
+
+
+def test_a_position_that_is_lost_stops_the_flight_at_once():
+    helicopter = Obedient(Supervisor(FlightLimits(), load_plan("hover_steps")))
+    while helicopter.step() is not FlightState.FLYING:
+        pass
+    helicopter.variance = 0.2**2
+    assert helicopter.step() is FlightState.FAULT
+    assert "position known to 200 mm only" in helicopter.supervisor.reason
 
 
 def test_services_fly_without_a_plan():

@@ -54,13 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         sys.stdout.write(json.dumps(found, indent=2) + "\n")
     else:
-        _print(found, _console())
+        show(found)
     return EXIT_FLOWN
-
-
-def _console() -> Console:
-    console = Console(highlight=False)
-    return console if console.is_terminal else Console(highlight=False, width=130)
 
 
 def assess(records: list[FlightRecord]) -> dict[str, Any]:
@@ -87,7 +82,15 @@ def assess(records: list[FlightRecord]) -> dict[str, Any]:
     }
 
 
-def _print(found: dict[str, Any], console: Console) -> None:
+def show(found: dict[str, Any]) -> None:
+    """Print what `assess` found as a table and a few lines.
+
+    Args:
+        found: see `assess`.
+    """
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=130)
     table = Table("navigation", title=f"rms errors in free flight, {len(found['flights'])} flight(s)")
     for title in (
         "position [mm]",
