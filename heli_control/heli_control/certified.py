@@ -205,7 +205,7 @@ def certify(
     poles = poles[np.argsort(-poles.real, kind="stable")]
     norm = hinf_norm(loop)
     if norm.unstable_pole is not None:
-        fault = f"the closed loop is unstable: pole {norm.unstable_pole:.6g} rad/s"
+        fault = f"the closed loop is not stable beyond rounding: pole {norm.unstable_pole:.6g} rad/s"
         return Certificate(math.inf, math.inf, norm.frequency, poles, quick, fault)
     level = _grid_level(plant, controller, loop, norm.frequency)
     fault = ""

@@ -20,7 +20,7 @@ import numpy as np
 from heli_control.realisation import Array, Realisation, balanced, response
 
 _ROUNDS = 60
-_STABLE = 1e-10
+_STABLE = 1e-14
 """A pole is stable when its real part is below -_STABLE times the norm of A: what rounding leaves of it."""
 
 

@@ -175,6 +175,28 @@ def shrink(covariance: Array, innovation: float, variance: float, work: Array) -
 
 
 @compiled
+def hold(covariance: Array, innovation: float, variance: float, work: Array) -> None:
+    """The same for position and angles alone: velocity and biases keep value and variance (Schmidt's filter).
+
+    Args:
+        covariance: (225,) of the errors.
+        innovation: measured less expected, the corrections of this sample so far included.
+        variance: S of the innovation.
+        work: scratch in the order of `Work`; column is read, correction is added to.
+    """
+    for row in range(SIZE):
+        gain = work[_COLUMN + row] / variance
+        placed = row < _V or _E <= row < _G
+        if placed:
+            work[_CORRECTION + row] += gain * innovation
+        for column in range(row + 1):
+            if placed or column < _V or _E <= column < _G:
+                less = covariance[SIZE * row + column] - gain * work[_COLUMN + column]
+                covariance[SIZE * row + column] = less
+                covariance[SIZE * column + row] = less
+
+
+@compiled
 def widen(covariance: Array, first: int, variance: float) -> None:
     """Add the same variance to three errors in a row.
 

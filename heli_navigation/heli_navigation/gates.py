@@ -52,7 +52,7 @@ ARM_PATIENCE = 3.0
 SILENCE = 1.0
 """For which a doubted gimbal axis may pass no line in flight before its encoder is lost [s]."""
 
-HELD_PLACE, HELD_SPEED, HELD_FORCE = 0.005, 0.02, 0.02
+HELD_PLACE, HELD_SPEED, HELD_FORCE = 0.003, 0.003, 0.0
 """What the cell of a stuck arm may have done to position [m], velocity [m/s] and bias [m/s^2]."""
 
 FORCE_JUMPS = 3.0

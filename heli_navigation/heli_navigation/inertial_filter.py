@@ -21,7 +21,7 @@ from heli_navigation.alignment import leave_stand, stand
 from heli_navigation.arm_angle import OUT_OF_REACH, arm_angle
 from heli_navigation.coasting import begin_coast, end_coast
 from heli_navigation.encoder_cells import beyond_cell, cell_innovation_variance, line_of, passed
-from heli_navigation.error_covariance import column_of_error, column_of_place, grow, shrink, widen
+from heli_navigation.error_covariance import column_of_error, column_of_place, grow, hold, shrink, widen
 from heli_navigation.filter_memory import ARMS, ENCODERS, SIZE, Estimate, Memory, Work
 from heli_navigation.filter_parameters import FilterConstants
 from heli_navigation.gates import believable, confirm_line, doubt_line, judge, trust_line
@@ -39,7 +39,7 @@ _RATE, _PUSH, _CORRECTION = int(Work.rate), int(Work.push), int(Work.correction)
 _SLOPE, _ANGLE = int(Work.slope), int(Work.angle)
 _PLACE, _SPEED, _TURNING = int(Work.place), int(Work.speed), int(Work.turning)
 
-CURVATURE = 15.0
+CURVATURE = 7.0
 """Second derivative of an arm's angle by the position [rad/m^2], 1.5 at the top and 6 at the bottom.
 
 What the derivative leaves out, half of this times the square of the error, does not matter while three arms
@@ -294,4 +294,4 @@ def _weigh(
             innovation = line * c.count - expected
             if abs(innovation) > OUTSIDE * c.count:
                 memory[Memory.doubt + encoder] += c.period
-            shrink(covariance, innovation, cell_innovation_variance(variance, c) + bent, work)
+            (shrink if memory[_LOST] + memory[_LOST + 1] + memory[_LOST + 2] > 0.0 else hold)(covariance, innovation, cell_innovation_variance(variance, c) + bent, work)

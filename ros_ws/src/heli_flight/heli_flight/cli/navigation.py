@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from heli_common.errors import EXIT_FLOWN, InputError
@@ -100,7 +101,7 @@ def show(found: dict[str, Any]) -> None:
         "rates [deg/s]",
         "their delay [ms]",
     ):
-        table.add_column(title, justify="right")
+        table.add_column(escape(title), justify="right")
     for entry in found["rows"]:
         each = Row(**entry)
         table.add_row(
