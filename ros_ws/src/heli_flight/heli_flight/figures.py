@@ -129,7 +129,7 @@ def _overlaid(
     return tuple(curves)
 
 
-def _bands(records: Sequence[FlightRecord]) -> tuple[Band, ...]:
+def bands(records: Sequence[FlightRecord]) -> tuple[Band, ...]:
     """Stages of the first flight; in a comparison they would not fit all."""
     return tuple(
         Band(stage.state.word, stage.start_ns * 1e-9, stage.end_ns * 1e-9)
@@ -156,7 +156,7 @@ def _position(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
         for label, column, sign in (("x north", 0, 1.0), ("y east", 1, 1.0), ("height", 2, -1.0))
     )
     caption = "Of the centre of gravity, from the centre of the flight space."
-    return Figure("position", "Position", caption, panels, _bands(records))
+    return Figure("position", "Position", caption, panels, bands(records))
 
 
 def _attitude(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
@@ -177,7 +177,7 @@ def _attitude(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
         for label, column in (("pitch θ", 1), ("roll φ", 2), ("yaw ψ", 0))
     )
     return Figure(
-        "attitude", "Attitude", "Euler angles yaw, pitch, roll of the body.", panels, _bands(records)
+        "attitude", "Attitude", "Euler angles yaw, pitch, roll of the body.", panels, bands(records)
     )
 
 
@@ -219,7 +219,7 @@ def _velocity(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
     )
     caption = "Of the body, in body axes; the reference of the position controller in heading axes."
     panels.append(Panel("yaw rate r", "deg/s", rate))
-    return Figure("velocity", "Velocity", caption, tuple(panels), _bands(records))
+    return Figure("velocity", "Velocity", caption, tuple(panels), bands(records))
 
 
 def _commands(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
@@ -241,7 +241,7 @@ def _commands(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
         for column, label in enumerate(labels)
     )
     caption = "Blade angles: commanded, and as the servos set them (truth); lines: the servos' full travel."
-    return Figure("commands", "Commands", caption, panels, _bands(records))
+    return Figure("commands", "Commands", caption, panels, bands(records))
 
 
 def _rotor(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
@@ -264,7 +264,7 @@ def _rotor(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
         Panel("motor control voltage", "V", voltage, VOLTAGE_LIMITS),
     )
     caption = "Measured rotor speed, and what the motor controller asks of the supply."
-    return Figure("rotor", "Rotor and motor", caption, panels, _bands(records))
+    return Figure("rotor", "Rotor and motor", caption, panels, bands(records))
 
 
 def _hover(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:

@@ -22,6 +22,7 @@ from heli_flight.flight_record import FlightRecord
 from heli_flight.interactive import plotly_json
 from heli_flight.metrics import flight_metrics
 from heli_flight.picture import data_uri, draw_png
+from heli_flight.sensor_figures import sensor_figures
 
 TEMPLATES = Path(__file__).parent / "templates"
 NOTHING = "–"
@@ -74,7 +75,7 @@ def write_report(folders: Sequence[Path], out: Path, static: bool = False) -> Re
     ]
     drawn: list[dict[str, str]] = []
     pictures: dict[Path, bytes] = {}
-    for figure in flight_figures(records, names):
+    for figure in (*flight_figures(records, names), *sensor_figures(records, names)):
         png = draw_png(figure)
         pictures[page.parent / f"{figure.key}.png"] = png
         about = {"key": figure.key, "title": figure.title, "caption": figure.caption}

@@ -18,8 +18,9 @@ from heli_flight.figures import flight_figures
 from heli_flight.flight_record import FlightRecord
 from heli_flight.plan import load_plan
 from heli_flight.report import write_report
+from heli_flight.sensor_figures import sensor_figures
 
-PICTURES = {"position.png", "attitude.png", "velocity.png", "commands.png", "rotor.png", "hover.png"}
+PICTURES = {f"{key}.png" for key in ("position", "attitude", "velocity", "commands", "rotor", "hover", "imu")}
 
 
 @pytest.fixture(scope="module")
@@ -136,7 +137,8 @@ def test_a_name_cannot_break_the_page(tmp_path: Path) -> None:
 
 
 def test_figures_hold_limits_and_references(flights: Path) -> None:
-    figures = {f.key: f for f in flight_figures([FlightRecord.load(flights / "steps")], ["steps"])}
+    records = [FlightRecord.load(flights / "steps")]
+    figures = {f.key: f for f in (*flight_figures(records, ["steps"]), *sensor_figures(records, ["steps"]))}
     assert set(figures) == {path.removesuffix(".png") for path in PICTURES}
     assert [curve.role for curve in figures["position"].panels[2].curves] == [
         "estimate",
