@@ -44,7 +44,7 @@ def imu_figure(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
         curves = []
         for flight, record in enumerate(records):
             curves += _attitude_error(record, column, names[flight], flight, len(records) == 1)
-        panels.append(Panel(f"{label} by the IMU alone, error", "deg", tuple(curves)))
+        panels.append(Panel(f"{label} error", "deg", tuple(curves)))
     caption = (
         "Biases of the gyros (FLU): true, and as the navigation estimates them. Below: attitude by the IMU "
         "alone less the true one, with twice its own deviation; of yaw gravity says nothing."
@@ -63,7 +63,7 @@ def air_figure(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
     for field, label in (("vector.y", "wind north"), ("vector.x", "wind east"), ("vector.z", "wind up")):
         panels.append(Panel(label, "m/s", _blown(records, names, "wind", field)))
     moment = _blown(records, names, "bench_condition", "position.gust_yaw")
-    panels.append(Panel("yaw moment of the room's air", "N m", moment))
+    panels.append(Panel("yaw moment", "N m", moment))
     caption = "Velocity of the air at the helicopter as it was, gusts and turbulence included."
     return Figure("air", "Air", caption, tuple(panels), bands(records))
 
