@@ -91,7 +91,7 @@ def _modes(name: str, word: str, a: Array, b: Array) -> Assumption:
         smallest = float(np.linalg.svd(pencil, compute_uv=False)[-1])
         if smallest < distance:
             distance, worst = smallest, complex(mode)
-    holds = distance > _RANK * size
+    holds = bool(distance > _RANK * size)
     where = f"nearest at the mode {worst:.6g}" if distance < math.inf else "all modes decay"
     return Assumption(name, holds, distance, abs(worst.imag), f"{'' if holds else 'not '}{word}: {where}")
 
@@ -152,7 +152,7 @@ def _suspects(a: Array, b: Array, c: Array, d: Array) -> Array:
         found.append(np.abs(np.linalg.eigvals(hamiltonian).imag))
     size = float(np.abs(poles).max(initial=1e-3))
     found.append(np.geomspace(1e-4 * size, 1e2 * size, 60))
-    return np.unique(np.concatenate(([0.0], *found)))
+    return np.asarray(np.unique(np.concatenate(([0.0], *found))), dtype=np.float64)
 
 
 def _left_kernel(matrix: Array) -> Array:

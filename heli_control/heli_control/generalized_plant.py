@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from heli_common.linear_model import StateSpace
-from heli_control.realisation import Array, Complex, Realisation, balanced, realisation, response, unnamed
+from heli_control.realisation import Array, Complex, Realisation, balanced, response, unnamed
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ class GeneralizedPlant:
 
 
 def partitioned(system: StateSpace, controls: Sequence[str], measurements: Sequence[str]) -> GeneralizedPlant:
-    """A system with names as a generalised plant; all other inputs are disturbances, all other outputs errors.
+    """A system with names as a generalised plant; other inputs are disturbances, other outputs errors.
 
     Raises:
         ValueError: a name the system does not have.
@@ -123,7 +123,8 @@ def with_balanced_states(plant: GeneralizedPlant) -> GeneralizedPlant:
 class Normalised:
     """A plant with D12 = [0; I], D21 = [0 I], D22 = 0, and the way back.
 
-    z and w are turned by orthogonal matrices, which leaves the norm as it is; u = `control` u', y' = `measure` y.
+    z and w are turned by orthogonal matrices, which leaves the norm as it is.
+    u = `control` u', y' = `measure` y.
     """
 
     plant: GeneralizedPlant
@@ -179,7 +180,7 @@ def normalised(plant: GeneralizedPlant) -> Normalised:
 
 
 def lower_lft(plant: GeneralizedPlant, controller: Realisation) -> Realisation:
-    """The closed loop from w to z with u = K y (source eq. 3.20); states of the plant, then of the controller.
+    """The closed loop from w to z with u = K y (source eq. 3.20); states of plant, then controller.
 
     Raises:
         ValueError: I - D22 D_K is singular, or the controller has other inputs and outputs than the plant.

@@ -5,9 +5,9 @@ gamma is a singular value of G(jw) exactly where the Hamiltonian
     H(gamma) = [ A + B R^-1 D'C            B R^-1 B'           ]      R = gamma^2 I - D'D
                [ -C'(I + D R^-1 D') C      -(A + B R^-1 D'C)'  ]
 
-has the eigenvalue jw, so between two such frequencies the norm may be higher and nowhere else. Whether a computed
-eigenvalue lies on the axis is a question rounding does not answer; therefore the imaginary parts of all of
-them and the points between are tried, and gamma is an upper bound when G exceeds it at none.
+has the eigenvalue jw, so between two such frequencies the norm may be higher and nowhere else. Whether a
+computed eigenvalue lies on the axis is a question rounding does not answer; therefore the imaginary parts of
+all of them and the points between are tried, and gamma is an upper bound when G exceeds it at none.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from heli_control.realisation import Array, Realisation, balanced, response
+from heli_control.realisation import Array, Complex, Realisation, balanced, response
 
 _ROUNDS = 60
 _STABLE = 1e-14
@@ -85,7 +85,7 @@ def grid_norm(system: Realisation, omega: Array) -> tuple[float, float]:
     return float(levels[index]), float(omega[index])
 
 
-def largest_singular_values(stack: np.ndarray) -> Array:
+def largest_singular_values(stack: Complex) -> Array:
     """Of each matrix of a stack, shape (k, p, m); zero for an empty matrix."""
     if 0 in stack.shape[1:]:
         return np.zeros(len(stack))
@@ -93,7 +93,7 @@ def largest_singular_values(stack: np.ndarray) -> Array:
 
 
 def natural_frequencies(system: Realisation, per_decade: int = 8) -> Array:
-    """Frequencies at which to look: zero, infinity, those of the poles, and a grid from below to beyond them."""
+    """Where to look [rad/s]: zero, infinity, the poles, and a grid from below to beyond them."""
     poles = np.linalg.eigvals(system.A)
     size = np.abs(poles)
     size = size[size > 0.0]

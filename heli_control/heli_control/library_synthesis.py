@@ -1,22 +1,24 @@
 """H-infinity synthesis by the library: SLICOT's SB10AD through slycot, as `control.hinfsyn` calls it.
 
-The routine may return a gamma its closed loop does not have, without an error (spec 0.4). What comes from here is
-a proposal; `certified` decides. slycot is optional: without it this route refuses and says so.
+The routine may return a gamma its closed loop does not have, without an error (spec 0.4). What comes from
+here is a proposal; `certified` decides. slycot is optional: without it this route refuses and says so.
 """
 
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
+from heli_control.certificate import AGREEMENT
 from heli_control.generalized_plant import GeneralizedPlant, lower_lft
 from heli_control.hinf_norm import hinf_norm
 from heli_control.realisation import Realisation
-from heli_control.riccati_synthesis import AGREEMENT, NO_OPTIMUM, NoController
+from heli_control.riccati_synthesis import NO_OPTIMUM, NoController
 
 _BISECTION, _SUBOPTIMAL = 1, 4
 _STARTS = (1e4, 1e6, 1e8)
@@ -37,10 +39,16 @@ _MEANING = {
 def available() -> bool:
     """Whether slycot is installed."""
     try:
-        import_module("slycot")
+        _slycot()
     except ImportError:
         return False
     return True
+
+
+def _slycot() -> Any:
+    # slycot brings a BLAS of its own; its threads only get in the way of numpy's on matrices this small
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    return import_module("slycot")
 
 
 def library_gamma(plant: GeneralizedPlant, tolerance: float = 2e-5) -> float:
@@ -121,7 +129,7 @@ def library_controller(plant: GeneralizedPlant, gamma: float) -> Realisation:
 
 def _sb10ad(plant: GeneralizedPlant, gamma: float, job: int, tolerance: float) -> Any:
     try:
-        slycot = import_module("slycot")
+        slycot = _slycot()
     except ImportError:
         raise NoController("slycot is not installed", final=True) from None
     system = plant.whole

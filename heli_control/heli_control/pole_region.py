@@ -1,7 +1,7 @@
 """Controller poles too fast for the sampling rate, and their removal.
 
-The fast modes of a nearly optimal controller act as a gain over the range of the loop. They are split off by an
-ordered Schur form and replaced by their gain at rest (modal residualisation), which keeps K(0).
+The fast modes of a nearly optimal controller act as a gain over the range of the loop. They are split off by
+an ordered Schur form and replaced by their gain at rest (modal residualisation), which keeps K(0).
 """
 
 from __future__ import annotations
@@ -44,4 +44,6 @@ def without_fast_modes(system: Realisation, limit: float) -> Realisation:
     turn = solve_sylvester(a, -fast, -coupling) if slow else np.zeros((0, len(fast)))
     b, c = basis.T @ system.B, system.C @ basis
     fast_b, fast_c = b[slow:], c[:, slow:] + c[:, :slow] @ turn
-    return Realisation(a, b[:slow] - turn @ fast_b, c[:, :slow], system.D - fast_c @ np.linalg.solve(fast, fast_b))
+    return Realisation(
+        a, b[:slow] - turn @ fast_b, c[:, :slow], system.D - fast_c @ np.linalg.solve(fast, fast_b)
+    )

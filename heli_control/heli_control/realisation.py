@@ -2,7 +2,7 @@
 
     x' = A x + B u,   y = C x + D u
 
-Synthesis works on thousands of small systems whose signals have no names; `StateSpace` is what goes in and out.
+Synthesis works on many small systems whose signals have no names; `StateSpace` is what goes in and out.
 """
 
 from __future__ import annotations
@@ -77,7 +77,9 @@ def first_order(high: float, zero: float, pole: float) -> Realisation:
     return realisation([[-pole]], [[1.0]], [[zero - high * pole]], [[high]])
 
 
-def second_order(numerator: tuple[float, float, float], denominator: tuple[float, float, float]) -> Realisation:
+def second_order(
+    numerator: tuple[float, float, float], denominator: tuple[float, float, float]
+) -> Realisation:
     """(n2 s^2 + n1 s + n0) / (d2 s^2 + d1 s + d0) in controller form.
 
     Raises:

@@ -2,10 +2,11 @@
 
 On the normalised plant, D12 = [0; I], D21 = [0 I], D22 = 0, a controller with a norm below gamma exists iff
 
-    gamma > max( |[D1111 D1112]|, |[D1111' D1121']| ),   X >= 0 solves the first equation,   Y >= 0 the second,
-    and the spectral radius of X Y is below gamma^2.
+    gamma > max( |[D1111 D1112]|, |[D1111' D1121']| ),
+    X >= 0 solves the first equation, Y >= 0 the second, and the spectral radius of X Y is below gamma^2.
 
-The optimal gamma is the infimum of those, found by bisection; the central controller of a larger gamma is closed.
+The optimal gamma is the infimum of those, found by bisection; the central controller of a larger gamma has a
+closed form.
 """
 
 from __future__ import annotations
@@ -19,9 +20,6 @@ from scipy.linalg import schur
 from heli_control.assumptions import feedthrough_floor
 from heli_control.generalized_plant import GeneralizedPlant, normalised
 from heli_control.realisation import Array, Realisation
-
-AGREEMENT = 1e-3
-"""Relative: how far a norm may be above its gamma, and two routes apart (spec 3.6)."""
 
 _HIGHEST = 1e9
 _NOTHING = 1e-7
@@ -144,7 +142,9 @@ def riccati(a: Array, r: Array, q: Array) -> Array:
         return np.zeros((0, 0))
     # X = share X' with blocks of like size. A tiny Q must not be blown up: it may be rounding alone
     size = float(np.abs(r).max())
-    share = max(math.sqrt(size * float(np.abs(q).max())), float(np.abs(a).max())) / size if size > 0.0 else 1.0
+    share = (
+        max(math.sqrt(size * float(np.abs(q).max())), float(np.abs(a).max())) / size if size > 0.0 else 1.0
+    )
     share = share or 1.0
     hamiltonian = np.block([[a, share * r], [-q / share, -a.T]])
     _, basis, stable = schur(hamiltonian, sort="lhp")
@@ -161,7 +161,7 @@ def riccati(a: Array, r: Array, q: Array) -> Array:
 
 
 def _solve(inner: GeneralizedPlant, gamma: float) -> _Solution:
-    m1, m2, p1, p2 = inner.sizes
+    m1, _, p1, _ = inner.sizes
     b, c = np.hstack((inner.B1, inner.B2)), np.vstack((inner.C1, inner.C2))
     d1, d_1 = np.hstack((inner.D11, inner.D12)), np.vstack((inner.D11, inner.D21))
     r = d1.T @ d1
