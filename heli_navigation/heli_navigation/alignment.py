@@ -1,13 +1,13 @@
-"""Alignment: what the IMU reads while the helicopter stands on its stop is known, so its biases can be learnt.
+"""Alignment: what the IMU reads while the helicopter stands is known, so its biases can be learnt.
 
 It stands if it is at the lower stop and no count of any encoder has changed for a while. Then its rates are
 zero, its velocity is zero, and the accelerometers feel nothing but the stop:
 
     gyro = b_g + noise,   force = b_f - C' (0, 0, g) + noise
 
-What the gyros say is not used for the attitude at the same time, so their noise does not count twice. Attitude
-and position are never taken for better known than a cell of the encoders tells: so far anything may creep
-unseen. A gyro that says otherwise ends the standing before a count does.
+What the gyros say is not used for the attitude at the same time, so their noise does not count twice.
+Attitude and position are never taken for better known than a cell of the encoders tells: so far anything may
+creep unseen. A gyro that says otherwise ends the standing before a count does.
 """
 
 from __future__ import annotations
@@ -134,9 +134,9 @@ def _learn_rate(memory: Array, axis: int, c: FilterConstants, work: Array) -> No
 
 @compiled
 def _learn_force(memory: Array, axis: int, c: FilterConstants, work: Array) -> None:
-    """What is felt along a body axis: H is 1 for its bias, and the body's axis times d (C C'g) for the angles.
+    """What is felt along a body axis.
 
-    With a = C f fixed at (0, 0, -g) in the earth, f = C' a has the derivative -C' (gimbal axis x a).
+    With a = (0, 0, -g) fixed in the earth, f = C' a has the derivatives -C' (gimbal axis x a) by the angles.
     """
     covariance = memory[Memory.covariance : Memory.gyro]
     b, k = _BODY + axis, _LEAN

@@ -28,7 +28,7 @@ def line_of(angle: float, c: FilterConstants) -> float:
         angle: as the encoder gives it [rad].
         c: constants of the filter.
     """
-    return math.floor(angle / c.count + 0.5)
+    return math.floor(angle / c.cell + 0.5)
 
 
 @equation
@@ -42,8 +42,8 @@ def passed(line: float, before: float, rate: float, c: FilterConstants) -> tuple
         c: constants of the filter.
     """
     side = 1.0 if line > before else -1.0
-    way = min(max(side * rate * c.period, 0.0), c.count)
-    return (line - 0.5 * side) * c.count + 0.5 * side * way, way * way / 12.0 + c.line_variance
+    way = min(max(side * rate * c.period, 0.0), c.cell)
+    return (line - 0.5 * side) * c.cell + 0.5 * side * way, way * way / 12.0 + c.line_variance
 
 
 @equation
@@ -66,9 +66,9 @@ def beyond_cell(expected: float, line: float, c: FilterConstants) -> float:
         line: count.
         c: constants of the filter.
     """
-    off = expected - line * c.count
-    if off > 0.5 * c.count:
-        return off - 0.5 * c.count
-    if off < -0.5 * c.count:
-        return off + 0.5 * c.count
+    off = expected - line * c.cell
+    if off > 0.5 * c.cell:
+        return off - 0.5 * c.cell
+    if off < -0.5 * c.cell:
+        return off + 0.5 * c.cell
     return 0.0

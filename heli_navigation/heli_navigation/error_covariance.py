@@ -3,12 +3,13 @@
 The errors of `Estimate` follow, over one sample of length T,
 
     dp+ = dp + T dv
-    dv+ = dv + T L de - T C db_f + noise        L: specific force by the angles, C: body to earth
-    de+ = de + T B de - T E db_g + E noise      E: body rates to Euler rates, B: their derivative by the angles
+    dv+ = dv + T L de - T C db_f + noise
+    de+ = de + T B de - T E db_g + E noise
     db+ = db + walk
 
-so P+ = F P F' + Q needs only the blocks that are not those of the unit matrix. All matrices are stored row by
-row; P stays symmetric to the last bit.
+with C from body to earth, L the derivative of C f by the angles, E from body rates to Euler rates and B the
+derivative of E w by the angles. So P+ = F P F' + Q needs only the blocks that are not those of the unit
+matrix. All matrices are stored row by row; P stays symmetric to the last bit.
 """
 
 from __future__ import annotations

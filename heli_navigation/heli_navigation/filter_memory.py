@@ -80,8 +80,8 @@ class Memory(IntEnum):
     jumps = kept_variance + 3
     """jumps of a gyro's bias found so far, by the gimbal's axis that showed it: yaw, pitch, roll"""
     silent = jumps + 3
-    """time for which each axis of the gimbal has been undecided, 0 if it is not [s]"""
-    force_jumps = silent + 3
+    """time for which it has been undecided who is right, each encoder or the IMU, 0 if it is not [s]"""
+    force_jumps = silent + ENCODERS
     """jumps of the accelerometers' biases found so far"""
     follow = force_jumps + 1
     """how many of them have followed each other closely"""

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heli_common.compiled import compiled
+from heli_navigation.corrections import locate
 from heli_navigation.filter_memory import SIZE, Estimate, Memory, Work
 from heli_navigation.filter_parameters import FilterConstants
-from heli_navigation.inertial_filter import locate
 from heli_navigation.strapdown import lean
 
 Array = NDArray[np.float64]
@@ -130,8 +130,8 @@ def _pose_rows(work: Array, rows: Array) -> None:
 def _twist_rows(memory: Array, c: FilterConstants, work: Array, rows: Array) -> None:
     """d (velocity, rates) / d errors.
 
-    The velocity of the IMU in the body is C' v: its derivative by an angle is -C' (axis x v). The rates' errors
-    are those of the biases with the sign turned, and -w x d makes of them d x (-db).
+    The velocity of the IMU in the body is C' v: its derivative by an angle is -C' (axis x v). The rates'
+    errors are those of the biases with the sign turned, and -w x d makes of them d x (-db).
     """
     _clear(rows)
     lean(memory[_V], memory[_V + 1], memory[_V + 2], work)

@@ -79,10 +79,10 @@ class FilterConstants(NamedTuple):
     upper_arm: float
     forearm: float
     centre_height: float
-    count: float
+    cell: float
     """angle of one count [rad]"""
     cell_variance: float
-    """of an angle of which only the count is known: count^2 / 12 [rad^2]"""
+    """of an angle of which only the count is known: cell^2 / 12 [rad^2]"""
     line_variance: float
     """of the place of a line [rad^2]"""
     gyro_density: float
@@ -140,7 +140,7 @@ def filter_constants(parameters: FilterParameters, geometry: RigGeometry) -> Fil
         upper_arm=geometry.upper_arm,
         forearm=geometry.forearm,
         centre_height=geometry.centre_height,
-        count=RADIAN_PER_COUNT,
+        cell=RADIAN_PER_COUNT,
         cell_variance=RADIAN_PER_COUNT**2 / 12.0,
         line_variance=(p.line_error * RADIAN_PER_COUNT) ** 2,
         gyro_density=p.gyro_noise**2,

@@ -1,20 +1,21 @@
 """Innovation gates, and who is believed when a sensor and the filter disagree.
 
 A reading further from what is expected than `gate` deviations is not used, and its encoder is doubted: three
-lines in a row outside the gate, or no line passed although the filter has long been beyond one. What then is
-to blame is decided by what the others say:
+lines in a row outside the gate, or no line passed although the filter has long been beyond one. Then either
+the encoder has failed or the IMU has: a gyro's bias has jumped under an axis of the gimbal, an
+accelerometer's under the arms. What the encoder does next decides, and until then its cell is not used:
 
-- **One arm alone** disagrees with two arms and the IMU: its encoder is lost and no longer used. Several arms
-  together, or an arm while the attitude is in doubt, speak against the accelerometers: a jump of their bias is
-  allowed for.
-- **A gimbal axis** stands against its gyro alone: either the gyro's bias has jumped or the encoder is stuck.
-  Both are allowed for, and what the encoder does next decides. A line says that it is alive, so the gyro has
-  jumped; a second of silence in flight says that it is stuck, and it is lost. At the stop silence is no wonder
-  and the encoder is believed.
+- A line says that it is alive, so it was the IMU, and a jump of its bias is allowed for. Several arms in
+  doubt together say so at once.
+- A second of silence in flight says that it is stuck, and it is lost: no longer used. At the stop silence is
+  no wonder and the encoder is believed.
+- A jump by three counts within a sample is none of the helicopter's: the encoder has lost counts.
+
+Of the three arms one may be lost; after that, and if nothing fits any more, the filter is begun anew.
 
 A lost encoder is believed again when it comes back with a jump that brings it near to where it should be, as
-one does that was stuck; or after ten lines in a row none of which was further off than one count. One that has
-lost counts does neither.
+one does that was stuck; or after ten lines in a row none of which was further off than one count. One that
+has lost counts does neither.
 """
 
 from __future__ import annotations
@@ -43,17 +44,14 @@ LINES_TO_TRUST = 10.0
 TRUSTED_WITHIN = 1.0
 """Lines in a row so near to their place [counts] after which a lost encoder is believed again."""
 
-JUMP_TO_TRUST = 3.0
-"""Jump of a lost encoder that may bring it back [counts]; none turns so fast. It shall at least halve the way."""
+JUMP = 3.0
+"""Change of count within a sample that no motion makes [counts]."""
 
 ARM_PATIENCE = 3.0
 """An arm is doubted so much longer than a gimbal axis, for the others to say what they see."""
 
 SILENCE = 1.0
-"""For which a doubted gimbal axis may pass no line in flight before its encoder is lost [s]."""
-
-HELD_PLACE, HELD_SPEED, HELD_FORCE = 0.003, 0.003, 0.0
-"""What the cell of a stuck arm may have done to position [m], velocity [m/s] and bias [m/s^2]."""
+"""For which a doubted encoder may pass no line in flight before it is lost [s]."""
 
 FORCE_JUMPS = 3.0
 """Jumps of the accelerometers within `CALM` [s] of each other after which the estimate is begun anew."""
@@ -73,16 +71,22 @@ def believable(innovation: float, variance: float, c: FilterConstants) -> bool:
 
 
 @compiled
-def doubt_line(memory: Array, encoder: int, c: FilterConstants) -> None:
+def doubt_line(memory: Array, encoder: int, jump: float, c: FilterConstants) -> None:
     """Note a line outside its gate.
 
     Args:
         memory: of the filter, in the parts of `Memory`.
         encoder: which.
+        jump: by how many counts it has changed.
         c: constants of the filter.
     """
     memory[Memory.refused + encoder] += 1.0
-    memory[_DOUBT + encoder] += patience(encoder, c) / LINES_TO_DOUBT
+    if abs(jump) >= JUMP and _may_be_lost(memory, encoder):
+        lose(memory, encoder)
+    elif encoder < ARMS and memory[_SILENT + encoder] > 0.0:
+        _force_jump(memory, c)
+    else:
+        memory[_DOUBT + encoder] += patience(encoder, c) / LINES_TO_DOUBT
 
 
 @compiled
@@ -110,8 +114,8 @@ def trust_line(
         inside: whether it was within its gate.
         c: constants of the filter.
     """
-    off = abs(innovation) / c.count
-    back = inside and abs(jump) >= JUMP_TO_TRUST and off <= 0.5 * abs(jump)
+    off = abs(innovation) / c.cell
+    back = inside and abs(jump) >= JUMP and off <= 0.5 * abs(jump)
     memory[_AGREED + encoder] = memory[_AGREED + encoder] + 1.0 if inside and off <= TRUSTED_WITHIN else 0.0
     if back or memory[_AGREED + encoder] >= LINES_TO_TRUST:
         memory[_LOST + encoder], memory[_DOUBT + encoder], memory[_AGREED + encoder] = 0.0, 0.0, 0.0
@@ -119,7 +123,7 @@ def trust_line(
 
 @compiled
 def confirm_line(memory: Array, encoder: int) -> None:
-    """Note a line within its gate; it also shows that an undecided gimbal axis is alive.
+    """Note a line within its gate; it also shows that an undecided encoder is alive.
 
     Args:
         memory: of the filter, in the parts of `Memory`.
@@ -127,9 +131,9 @@ def confirm_line(memory: Array, encoder: int) -> None:
     """
     memory[_DOUBT + encoder] = 0.0
     memory[Memory.lines] += 1.0
-    if encoder >= ARMS and memory[_SILENT + encoder - ARMS] > 0.0:
-        memory[_SILENT + encoder - ARMS] = 0.0
+    if encoder >= ARMS and memory[_SILENT + encoder] > 0.0:
         memory[_JUMPS + encoder - ARMS] += 1.0
+    memory[_SILENT + encoder] = 0.0
 
 
 @compiled
@@ -143,52 +147,66 @@ def judge(memory: Array, depth: float, work: Array, c: FilterConstants) -> bool:
         c: constants of the filter.
     """
     memory[Memory.calm] += c.period
-    for axis in range(ENCODERS - ARMS):
-        encoder = ARMS + axis
+    for encoder in range(ENCODERS):
         if memory[_DOUBT + encoder] >= patience(encoder, c) * (1.0 - 1e-9):
-            _judge_axis(memory, axis, work, c)
-        if memory[_SILENT + axis] > 0.0:
-            memory[_SILENT + axis] += c.period
-            if memory[_SILENT + axis] > SILENCE:
-                memory[_SILENT + axis] = 0.0
-                if depth > c.still_depth:
-                    memory[_JUMPS + axis] += 1.0
-                else:
-                    lose(memory, encoder)
-    for arm in range(ARMS):
-        if memory[_DOUBT + arm] >= patience(arm, c) * (1.0 - 1e-9) and not _judge_arm(memory, arm, c):
-            return False
-    return True
+            if encoder < ARMS:
+                _judge_arm(memory, encoder, c)
+            else:
+                _judge_axis(memory, encoder - ARMS, work, c)
+        if memory[_SILENT + encoder] > 0.0:
+            memory[_SILENT + encoder] += c.period
+            if memory[_SILENT + encoder] > SILENCE:
+                _end_silence(memory, encoder, depth > c.still_depth, c)
+    return bool(memory[Memory.follow] < FORCE_JUMPS)
 
 
 @compiled
-def _judge_arm(memory: Array, arm: int, c: FilterConstants) -> bool:
-    alone = memory[Memory.coasting] == 0.0
-    for other in range(ENCODERS):
-        if other != arm and memory[_LOST + other] > 0.0:
-            alone = False
-    for other in range(ARMS):
-        if (other != arm and memory[_DOUBT + other] > 0.0) or memory[_SILENT + other] > 0.0:
-            alone = False
-    covariance = memory[_COVARIANCE : Memory.gyro]
-    if alone:
-        if memory[Memory.innovation + arm] * memory[Memory.innovation + arm] <= c.gate:
-            # it has stood still for an unknown time, and its cell has held the estimate
-            widen(covariance, _P, HELD_PLACE * HELD_PLACE)
-            widen(covariance, _V, HELD_SPEED * HELD_SPEED)
-            widen(covariance, _F, HELD_FORCE * HELD_FORCE)
-        lose(memory, arm)
+def _end_silence(memory: Array, encoder: int, at_stop: bool, c: FilterConstants) -> None:
+    memory[_SILENT + encoder] = 0.0
+    if not at_stop and _may_be_lost(memory, encoder):
+        lose(memory, encoder)
+    elif encoder < ARMS:
+        _force_jump(memory, c)
+    else:
+        memory[_JUMPS + encoder - ARMS] += 1.0
+
+
+@compiled
+def _may_be_lost(memory: Array, encoder: int) -> bool:
+    """Two arms and an IMU can do without the third, one arm cannot."""
+    if encoder >= ARMS:
         return True
+    return bool(memory[_LOST] + memory[_LOST + 1] + memory[_LOST + 2] + memory[Memory.coasting] == 0.0)
+
+
+@compiled
+def _judge_arm(memory: Array, arm: int, c: FilterConstants) -> None:
+    alone = _may_be_lost(memory, arm)
+    for other in range(ENCODERS):
+        if other != arm and memory[_DOUBT + other] + memory[_SILENT + other] + memory[_LOST + other] > 0.0:
+            alone = False
+    if alone:
+        memory[_DOUBT + arm] = 0.0
+        if memory[_SILENT + arm] == 0.0:
+            memory[_SILENT + arm] = c.period
+    else:
+        _force_jump(memory, c)
+
+
+@compiled
+def _force_jump(memory: Array, c: FilterConstants) -> None:
+    """Allow for a jump of the accelerometers' bias that began a while ago."""
     late = c.patience * ARM_PATIENCE
+    for arm in range(ARMS):
+        late = max(late, c.patience * ARM_PATIENCE + memory[_SILENT + arm])
+        memory[_DOUBT + arm], memory[_SILENT + arm] = 0.0, 0.0
+    covariance = memory[_COVARIANCE : Memory.gyro]
     widen(covariance, _F, c.force_jump)
     widen(covariance, _V, c.force_jump * late * late)
     widen(covariance, _P, 0.25 * c.force_jump * late * late * late * late)
     memory[Memory.force_jumps] += 1.0
-    for other in range(ARMS):
-        memory[_DOUBT + other] = 0.0
     memory[Memory.follow] = memory[Memory.follow] + 1.0 if memory[Memory.calm] < CALM else 1.0
     memory[Memory.calm] = 0.0
-    return bool(memory[Memory.follow] < FORCE_JUMPS)
 
 
 @compiled
@@ -203,8 +221,8 @@ def _judge_axis(memory: Array, axis: int, work: Array, c: FilterConstants) -> No
             memory[_COVARIANCE + SIZE * (_G + k) + _G + other] += share * c.bias_jump
     memory[_COVARIANCE + (SIZE + 1) * (_E + axis)] += 4.0 * c.cell_variance
     memory[_DOUBT + ARMS + axis] = 0.0
-    if memory[Memory.coasting] == 0.0 and memory[_SILENT + axis] == 0.0:
-        memory[_SILENT + axis] = c.period
+    if memory[Memory.coasting] == 0.0 and memory[_SILENT + ARMS + axis] == 0.0:
+        memory[_SILENT + ARMS + axis] = c.period
 
 
 @compiled
@@ -216,3 +234,4 @@ def lose(memory: Array, encoder: int) -> None:
         encoder: which.
     """
     memory[_LOST + encoder], memory[_DOUBT + encoder], memory[_AGREED + encoder] = 1.0, 0.0, 0.0
+    memory[_SILENT + encoder] = 0.0

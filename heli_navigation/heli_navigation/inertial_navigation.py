@@ -18,18 +18,13 @@ from heli_common.records import boxed, packed
 from heli_common.rig_geometry import ENCODER_NAMES, RigGeometry
 from heli_common.rotations import Euler, Vector3
 from heli_common.vehicle_state import VehicleState
-from heli_navigation.arm_kinematics import arm_jacobian, position_from_arms
-from heli_navigation.filter_memory import ENCODERS, SIZE, Estimate, Memory, Work, blank_memory
+from heli_navigation.beginning import FirstRest, first_memory
+from heli_navigation.filter_memory import SIZE, Estimate, Memory, Work, blank_memory
 from heli_navigation.filter_outputs import TWIST, Output, read_covariance, read_motion
 from heli_navigation.filter_parameters import FilterConstants, FilterParameters, filter_constants
-from heli_navigation.first_rest import FirstRest
 from heli_navigation.inertial_filter import filter_step
-from heli_navigation.strapdown import orient
 
 Array = NDArray[np.float64]
-
-BEGINNING_SPEED = 0.3
-"""Deviation of the velocity when the filter begins [m/s]: the hand may just be at work."""
 
 _NOWHERE = VehicleState((0.0, 0.0, 0.0), Euler(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False)
 _NAN = (math.nan, math.nan, math.nan)
@@ -111,7 +106,7 @@ class InertialNavigation:
             indexed: (6,) 1 for each encoder that has passed its index, arms first.
             gyro: (3,) body rates, FRD [rad/s].
             accelerometer: (3,) specific force at the IMU, FRD [m/s^2].
-            imu_valid: whether gyro and accelerometer were measured at this sample; if not, they do not matter.
+            imu_valid: whether gyro and accelerometer were measured now; if not, they do not matter.
 
         Raises:
             ValueError: a number that is said to be measured is not finite.
@@ -119,8 +114,13 @@ class InertialNavigation:
         if not self._known or min(indexed) < 0.5:
             self._await(arms, gimbal, indexed, gyro, accelerometer, imu_valid)
             return
+        arm_1, arm_2, arm_3 = arms
+        psi, theta, phi = gimbal
+        p, q, r = gyro
+        x, y, z = accelerometer
+        memory, box, work = self._memory, self._box, self._work
         if not filter_step(
-            self._memory, *arms, *gimbal, *gyro, *accelerometer, imu_valid, self._box, self._work
+            memory, arm_1, arm_2, arm_3, psi, theta, phi, p, q, r, x, y, z, imu_valid, box, work
         ):
             # not finite, or out of the arms' reach: begin again from the encoders
             self._restarts += 1
@@ -156,8 +156,9 @@ class InertialNavigation:
 
     @property
     def covariances(self) -> tuple[Array, Array]:
-        """Two (6, 6): of position and rotations about north, east, down [m, rad]; of velocity and rates in body
-        FRD [m/s, rad/s]. Zeros while nothing is known.
+        """Two (6, 6); zeros while nothing is known.
+
+        Of position and rotations about north, east, down [m, rad]; of velocity and rates, FRD [m/s, rad/s].
         """
         if self._known:
             read_covariance(self._memory, self._box, self._work, self._rows, self._out)
@@ -224,7 +225,7 @@ class InertialNavigation:
         accelerometer: Sequence[float],
         imu_valid: bool,
     ) -> None:
-        """Nothing is known yet: take means of the gyros at rest, begin as soon as the encoders are absolute."""
+        """Nothing is known yet: take the gyros' means at rest, begin once the encoders are absolute."""
         self._known = False
         angles_now = (*arms, *gimbal)
         if imu_valid:
@@ -232,69 +233,26 @@ class InertialNavigation:
             self._rest.add(angles_now, gyro)
         if min(indexed) < 0.5 or not all(map(math.isfinite, angles_now)):
             return
-        angles = (arms[0], arms[1], arms[2])
+        c = self._constants
+        bias = self._rest.bias(c.gyro_density, c.gyro_bias)
+        if not imu_valid:
+            gyro = bias[0].tolist()
         try:
-            position = position_from_arms(angles, self._geometry)
-            jacobian = np.array(arm_jacobian(angles, position, self._geometry))
+            memory = first_memory(
+                _vector(arms), _vector(gimbal), _vector(gyro), _vector(accelerometer), bias, c, self._geometry
+            )
         except ValueError:
             self._rejected += 1
             return
-        self._begin(position, jacobian, angles, gimbal, gyro, accelerometer, imu_valid)
-
-    def _begin(
-        self,
-        position: Vector3,
-        jacobian: Array,
-        arms: Sequence[float],
-        gimbal: Sequence[float],
-        gyro: Sequence[float],
-        accelerometer: Sequence[float],
-        imu_valid: bool,
-    ) -> None:
-        """Begin where the counts say, each angle in the middle of its cell."""
-        c, memory = self._constants, blank_memory()
-        psi, theta, phi = gimbal
-        orient(psi, theta, phi, self._work)
-        body = self._work[Work.body : Work.rates].reshape(3, 3)
-        lever = body @ (c.x, c.y, c.z)
-        memory[Estimate.position : Estimate.velocity] = np.array(position) + lever
-        memory[Estimate.angle : Estimate.gyro_bias] = gimbal
-        bias, variance = self._rest.bias(c.gyro_density, c.gyro_bias)
-        memory[Estimate.gyro_bias : Estimate.force_bias] = bias
-        covariance = np.zeros((SIZE, SIZE))
-        covariance[:3, :3] = jacobian @ jacobian.T * c.cell_variance
-        slope = self._lever_slope(lever, body)
-        covariance[:3, :3] += slope @ slope.T * c.cell_variance
-        covariance[:3, 6:9] = slope * c.cell_variance
-        covariance[6:9, :3] = covariance[:3, 6:9].T
-        parts = (
-            (Estimate.velocity, BEGINNING_SPEED**2),
-            (Estimate.angle, c.cell_variance),
-            (Estimate.gyro_bias, variance),
-            (Estimate.force_bias, c.accelerometer_bias),
-        )
-        for first, size in parts:
-            for axis in range(3):
-                covariance[first + axis, first + axis] = size
-        memory[Memory.covariance : Memory.gyro] = covariance.ravel()
-        if imu_valid:
-            memory[Memory.gyro : Memory.force], memory[Memory.force : Memory.line] = gyro, accelerometer
-        else:
-            memory[Memory.gyro : Memory.force] = bias
-        memory[Memory.line : Memory.age] = np.floor(np.array((*arms, *gimbal)) / c.count + 0.5)
-        memory[Memory.calm] = 1e3
-        for first, end in _COUNTERS:  # what has happened stays known
-            memory[first:end] = self._memory[first:end]
+        for start, end in _COUNTERS:  # what has happened stays known
+            memory[start:end] = self._memory[start:end]
         self._memory, self._known = memory, True
-
-    @staticmethod
-    def _lever_slope(lever: Array, body: Array) -> Array:
-        """(3, 3) derivative of the lever C d by yaw, pitch, roll."""
-        cosine = math.hypot(body[0, 0], body[1, 0])
-        right = np.array([-body[1, 0], body[0, 0], 0.0]) / cosine
-        axes = (np.array([0.0, 0.0, 1.0]), right, body[:, 0])
-        return np.stack([np.cross(axis, lever) for axis in axes], axis=1)
 
     def _three(self, first: int) -> Vector3:
         a, b, c = self._memory[first : first + 3].tolist()
         return (a, b, c)
+
+
+def _vector(values: Sequence[float]) -> Vector3:
+    x, y, z = values
+    return (float(x), float(y), float(z))

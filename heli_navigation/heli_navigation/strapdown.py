@@ -93,7 +93,7 @@ def reckon(estimate: Array, period: float, gravity: float, work: Array) -> None:
     north = work[b] * fx + work[b + 1] * fy + work[b + 2] * fz
     east = work[b + 3] * fx + work[b + 4] * fy + work[b + 5] * fz
     down = work[b + 6] * fx + work[b + 7] * fy + work[b + 8] * fz
-    bend(turn_psi, turn_theta, p, q, r, work)
+    bend(turn_psi, turn_theta, work)
     lean(north, east, down, work)
     _step(estimate, 0, north, period)
     _step(estimate, 1, east, period)
@@ -108,15 +108,12 @@ def _step(estimate: Array, axis: int, acceleration: float, period: float) -> Non
 
 
 @compiled
-def bend(turn_psi: float, turn_theta: float, p: float, q: float, r: float, work: Array) -> None:
+def bend(turn_psi: float, turn_theta: float, work: Array) -> None:
     """Write d (E w) / d (psi, theta, phi) [1/s].
 
     Args:
         turn_psi: rate of yaw [rad/s].
         turn_theta: rate of pitch [rad/s].
-        p: roll rate of the body [rad/s].
-        q: pitch rate [rad/s].
-        r: yaw rate [rad/s].
         work: scratch in the order of `Work`; body and rates are read, bend is written.
     """
     e, k = _RATES, _BEND
@@ -136,7 +133,8 @@ def lean(north: float, east: float, down: float, work: Array) -> None:
         north: of the vector in NED.
         east: the same.
         down: the same.
-        work: scratch in the order of `Work`; body and rates are read, lean is written: rows NED, columns yaw, pitch, roll.
+        work: scratch in the order of `Work`; body and rates are read, lean is written,
+            rows NED, columns yaw, pitch, roll.
     """
     k = _LEAN
     x, y, z = work[_BODY], work[_BODY + 3], work[_BODY + 6]  # nose: the axis of roll
