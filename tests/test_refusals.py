@@ -86,11 +86,11 @@ def test_a_wrong_node_parameter(heli):
         "heli_navigation.nodes.navigation_node",
         "--ros-args",
         "-p",
-        "velocity_bandwidth:=-1.0",
+        "rotor_bandwidth:=-1.0",
     )
     out, error = process.communicate(timeout=30)
     assert process.returncode == 2
     assert out == ""
-    assert "velocity_bandwidth" in error
+    assert "rotor_bandwidth" in error
     assert "-1.0" in error
     assert "Traceback" not in error

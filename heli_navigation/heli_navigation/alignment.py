@@ -46,6 +46,9 @@ SMOOTHING = 0.1
 MOVING = 25.0
 """Square of the smoothed rate beyond which it does not stand, in its deviations."""
 
+DISPUTE = 2.0
+"""For which it then does not stand in any case [s]: if no count changes, a bias has jumped."""
+
 GYRO_FLOOR = math.radians(0.01)
 """Creeping that no encoder sees: no bias is learnt more exactly than this while standing [rad/s]."""
 
@@ -88,7 +91,7 @@ def stand(
             memory[_V + axis] = 0.0
             memory[Memory.drift + axis] = 0.0
     if _moves(memory, gyro_x, gyro_y, gyro_z, c):
-        memory[Memory.unchanged] = 0.0
+        memory[Memory.unchanged] = -DISPUTE
         return False
     g, f = _GYRO, _FORCE
     memory[g], memory[g + 1], memory[g + 2] = gyro_x, gyro_y, gyro_z
