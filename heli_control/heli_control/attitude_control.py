@@ -60,7 +60,7 @@ class FlightLaw:
         self.trim = tuple(float(getattr(point, channel)) for channel in CHANNELS)
         self._theta, self._phi = point.theta, point.phi
         self._axes = []
-        for system in (controller.horizontal, controller.vertical):
+        for system in (controller.horizontal.system, controller.vertical.system):
             taken = tuple(SIGNALS.index(name) for name in system.inputs)
             given = tuple(CHANNELS.index(name) for name in system.outputs)
             self._axes.append((DiscreteBlock(system), taken, given))

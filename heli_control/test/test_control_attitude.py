@@ -16,7 +16,7 @@ from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import TOPICS
 from heli_common.vehicle_state import UNKNOWN_VARIANCE, VehicleState, odometry_values, twist_values
 from heli_control.attitude_control import AttitudeController, AttitudeParameters, FlightLaw
-from heli_control.controller_file import ControllerFile
+from heli_control.controller_file import ControllerAxis, ControllerFile
 from heli_control.lq import LqWeights, design_lq
 
 MODEL = ModelFile.read(Path(__file__).parent / "data" / "hover_model.yaml")
@@ -33,17 +33,17 @@ HOVER = VehicleState(ZERO, Euler(0.3, POINT.theta, POINT.phi), ZERO, ZERO)
 def only(axis: str, signal: str, output: str, gain: float) -> ControllerFile:
     """A controller with one gain and otherwise trim."""
 
-    def block(name: str, inputs: tuple[str, ...], outputs: tuple[str, ...]) -> StateSpace:
+    def block(name: str, inputs: tuple[str, ...], outputs: tuple[str, ...]) -> ControllerAxis:
         direct = np.zeros((2, len(inputs)))
         if name == axis:
             direct[outputs.index(output), inputs.index(signal)] = gain
         empty = (np.zeros((0, 0)), np.zeros((0, len(inputs))), np.zeros((2, 0)))
-        return StateSpace((), inputs, outputs, *empty, direct)
+        return ControllerAxis(StateSpace((), inputs, outputs, *empty, direct), np.zeros((0, 2)))
 
     return replace(
         STATIC,
-        horizontal=block("horizontal", STATIC.horizontal.inputs, ("B_1s", "A_1s")),
-        vertical=block("vertical", STATIC.vertical.inputs, ("theta_0", "theta_t")),
+        horizontal=block("horizontal", STATIC.horizontal.system.inputs, ("B_1s", "A_1s")),
+        vertical=block("vertical", STATIC.vertical.system.inputs, ("theta_0", "theta_t")),
     )
 
 
@@ -226,8 +226,8 @@ def test_a_number_that_is_not_finite_is_refused_by_name(topic: str, value: float
 
 def test_a_command_that_is_not_finite_is_never_sent() -> None:
     both = only("horizontal", "u", "B_1s", 1e10).horizontal
-    direct = np.full(both.D.shape, 1e10)
-    driver = Driver(replace(STATIC, horizontal=replace(both, D=direct)))
+    direct = replace(both.system, D=np.full(both.system.D.shape, 1e10))
+    driver = Driver(replace(STATIC, horizontal=replace(both, system=direct)))
     with pytest.raises(ValueError, match=r"servo_command: position\.B_1s is nan"):
         driver.step(HOVER._replace(velocity=(1e300, -1e300, 0.0)))
 
@@ -237,7 +237,7 @@ def test_law_with_other_inputs_and_states_fits() -> None:
         ("a", "b"), ("phi", "w_ref"), ("theta_t", "theta_0"),
         np.array([[0.5, 0.0], [0.0, 0.5]]), np.eye(2), np.eye(2), np.zeros((2, 2)),
     )  # fmt: skip
-    law = FlightLaw(replace(STATIC, vertical=lag))
+    law = FlightLaw(replace(STATIC, vertical=ControllerAxis(lag, np.zeros((2, 2)))))
     state = HOVER._replace(attitude=Euler(0.0, POINT.theta, POINT.phi + 0.2))
     assert law.step(state, (0.0, 0.0, 0.1), 0.0)[2:] == pytest.approx(TRIM[2:])
     assert law.step(state, (0.0, 0.0, 0.1), 0.0)[2:] == pytest.approx((TRIM[2] + 0.1, TRIM[3] + 0.2))
