@@ -99,7 +99,7 @@ def response_error(
         period: sample time [s].
         highest: frequency [rad/s], at most that of Nyquist.
     """
-    omega = np.geomspace(1e-3 * highest, highest, 200)
+    omega: Array = np.asarray(np.geomspace(1e-3 * highest, highest, 200), dtype=np.float64)
     exact = response(continuous, omega)
     difference = largest_singular_values(sampled_response(sampled, omega, period) - exact)
     size = largest_singular_values(exact)

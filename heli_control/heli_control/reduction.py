@@ -68,10 +68,12 @@ class Balancing:
 
 def parts(system: Realisation) -> tuple[Realisation, Realisation]:
     """The decaying part, with D, and the part that does not decay; their sum is the system."""
-    limit = -_DECAYS * float(np.linalg.norm(system.A, 2)) if system.order else 0.0
-    form, basis, count = schur(system.A, sort=lambda real, _: real < limit) if system.order else ((), (), 0)
     m, p = system.B.shape[1], system.C.shape[0]
     nothing = Realisation(np.zeros((0, 0)), np.zeros((0, m)), np.zeros((p, 0)), np.zeros((p, m)))
+    if not system.order:
+        return system, nothing
+    limit = -_DECAYS * float(np.linalg.norm(system.A, 2))
+    form, basis, count = schur(system.A, sort=lambda real, _: real < limit)
     if count == system.order:
         return system, nothing
     if count == 0:
