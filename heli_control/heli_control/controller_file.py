@@ -175,20 +175,28 @@ def shipped_controllers() -> dict[str, Path]:
     return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
 
 
-def load_controller(name_or_path: str) -> ControllerFile:
+def load_controller(name_or_path: str, plant: str = "") -> ControllerFile:
     """A controller by the name of a shipped one or by the path of its file; a file goes first.
 
+    Args:
+        name_or_path: of the controller.
+        plant: hash of the plant that it must be for; empty: any.
+
     Raises:
-        InputError: neither, or the file is not a controller file.
+        InputError: neither, the file is not a controller file, or it is for another plant.
     """
-    path = Path(name_or_path)
-    if path.is_file():
-        return ControllerFile.read(path)
     shipped = shipped_controllers()
-    if name_or_path in shipped:
-        return ControllerFile.read(shipped[name_or_path])
-    allowed = "a file, or one of " + ", ".join(shipped)
-    raise InputError(f"{name_or_path!r} is no controller", allowed=allowed, key="controller")
+    path = Path(name_or_path)
+    if not path.is_file():
+        if name_or_path not in shipped:
+            allowed = "a file, or one of " + ", ".join(shipped)
+            raise InputError(f"{name_or_path!r} is no controller", allowed=allowed, key="controller")
+        path = shipped[name_or_path]
+    controller = ControllerFile.read(path)
+    if plant and controller.plant_hash != plant:
+        problem = f"{controller.plant_hash!r} is another plant ({controller.plant_name})"
+        raise InputError(problem, allowed=plant, file=path, key="plant.hash")
+    return controller
 
 
 def _read_axis(value: object, path: Path, key: str) -> ControllerAxis:

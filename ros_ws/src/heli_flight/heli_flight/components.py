@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from heli_bench_sim.bench import Bench
@@ -51,12 +52,14 @@ def navigator(values: NodeValues = DEFAULTS) -> Navigator:
     )
 
 
-def controllers(controller: ControllerFile, values: NodeValues = DEFAULTS) -> list[Component]:
-    """Navigation and the three controllers."""
+def controllers(
+    controller: ControllerFile, values: NodeValues = DEFAULTS, later: Sequence[ControllerFile] = ()
+) -> list[Component]:
+    """Navigation and the three controllers; `later` are those that phases of the plan change to."""
     attitude = values.build(topics.ATTITUDE_CONTROLLER, AttitudeParameters)
     return [
         navigator(values),
         PositionController(values.build(topics.POSITION_CONTROLLER, PositionParameters)),
-        AttitudeController(controller, attitude),
+        AttitudeController(controller, attitude, later),
         MotorController(values.build(topics.MOTOR_CONTROLLER, MotorParameters)),
     ]

@@ -39,7 +39,7 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
         if topic in recorded:
             bag.write(topic, stamp_ns, data)
 
-    graph = InProcessGraph(bench, [leader, *controllers(order.controller, values)], record)
+    graph = InProcessGraph(bench, [leader, *controllers(order.controller, values, order.later)], record)
     code, reason = EXIT_FLOWN, ""
     try:
         while bench.ended_at is None:

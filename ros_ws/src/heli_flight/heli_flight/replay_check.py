@@ -98,10 +98,14 @@ def build(bag: Bag, node: str) -> Component:
 
 
 def _controller(bag: Bag, name: str, values: NodeValues) -> Component:
-    with _as_file(_remark(bag, "controller_file")) as path:
-        file = ControllerFile.read(path)
-    (found,) = (part for part in controllers(file, values) if part.name == name)
+    first, *later = [_controller_file(text) for text in _remark(bag, "controller_file").split("---\n")]
+    (found,) = (part for part in controllers(first, values, later) if part.name == name)
     return found
+
+
+def _controller_file(text: str) -> ControllerFile:
+    with _as_file(text) as path:
+        return ControllerFile.read(path)
 
 
 def _parameters(bag: Bag) -> NodeValues:
