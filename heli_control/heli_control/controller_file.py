@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +29,7 @@ from heli_common.model_file import (
 )
 from heli_common.timing import CONTROL_PERIOD
 from heli_common.topics import SERVO_CHANNELS
+from heli_control.shipped import find_controller, require_plant, shipped
 
 FORMAT = "heli_controller/2"
 AXES = ("horizontal", "vertical")
@@ -170,9 +170,8 @@ class ControllerFile:
 
 
 def shipped_controllers() -> dict[str, Path]:
-    """Names and files of the controllers that come with this package."""
-    folder = Path(str(resources.files("heli_control"))) / "controllers"
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    """Names and files of the flight controllers that come with this package."""
+    return shipped(FORMAT)
 
 
 def load_controller(name_or_path: str, plant: str = "") -> ControllerFile:
@@ -185,17 +184,9 @@ def load_controller(name_or_path: str, plant: str = "") -> ControllerFile:
     Raises:
         InputError: neither, the file is not a controller file, or it is for another plant.
     """
-    shipped = shipped_controllers()
-    path = Path(name_or_path)
-    if not path.is_file():
-        if name_or_path not in shipped:
-            allowed = "a file, or one of " + ", ".join(shipped)
-            raise InputError(f"{name_or_path!r} is no controller", allowed=allowed, key="controller")
-        path = shipped[name_or_path]
+    path = find_controller(name_or_path, FORMAT)
     controller = ControllerFile.read(path)
-    if plant and controller.plant_hash != plant:
-        problem = f"{controller.plant_hash!r} is another plant ({controller.plant_name})"
-        raise InputError(problem, allowed=plant, file=path, key="plant.hash")
+    require_plant(path, controller.plant_name, controller.plant_hash, plant)
     return controller
 
 

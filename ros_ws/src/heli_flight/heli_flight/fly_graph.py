@@ -61,6 +61,7 @@ def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:
     settings: dict[str, dict[str, str | int | float]] = {
         topics.BENCH_SIM: _bench_settings(order),
         topics.SUPERVISOR: {"plan": order.plan_name},
+        topics.MOTOR_CONTROLLER: {"controller": order.motor_name},
         topics.ATTITUDE_CONTROLLER: _attitude_settings(order),
         topics.RECORDER: {"bag": str(order.bag), "notes": str(notes)},
     }

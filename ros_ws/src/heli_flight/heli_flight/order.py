@@ -12,6 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from heli_control.controller_file import ControllerFile
+from heli_control.motor_controller_file import MotorControllerFile, load_motor_controller
 from heli_flight.plan import Plan
 
 RECORDED_VERSIONS = ("heli_flight", "ros-jazzy-rclpy", "numpy", "scipy", "numba", "mcap", "rosbags")
@@ -41,6 +42,8 @@ class FlightOrder:
         real_time_scheduling: whether a real-time flight asks for SCHED_FIFO.
         later: controllers that phases of the plan change to, in its order.
         later_names: their names or paths.
+        motor: the motor controller as read from its file; the shipped one without.
+        motor_name: name of a shipped motor controller or path of its file, for its node.
         plant: hash of the plant that controllers must be for, empty for any.
         replaced: programs that take the place of nodes on the graph, by node name.
     """
@@ -56,6 +59,8 @@ class FlightOrder:
     real_time_scheduling: bool = True
     later: tuple[ControllerFile, ...] = ()
     later_names: tuple[str, ...] = ()
+    motor: MotorControllerFile | None = None
+    motor_name: str = "motor"
     plant: str = ""
     replaced: Mapping[str, Path] = field(default_factory=dict)
 
@@ -69,6 +74,7 @@ class FlightOrder:
             "controller": ", ".join(file.name for file in files),
             "controllers": json.dumps([_origin(file) for file in files]),
             "controller_file": "---\n".join(file.to_yaml() for file in files),
+            "motor_file": (self.motor or load_motor_controller(self.motor_name)).to_yaml(),
             "parameters": self.parameters.read_text() if self.parameters else "defaults",
             "versions": json.dumps(
                 {name: _version(name) for name in RECORDED_VERSIONS} | {"python": platform.python_version()}

@@ -13,6 +13,7 @@ from typing import Any
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, InputError
 from heli_common.model_file import ModelFile
 from heli_control.controller_file import load_controller
+from heli_control.motor_controller_file import load_motor_controller
 from heli_flight.cli.live import LiveProgress
 from heli_flight.flight_hash import bag_hash, count_check
 from heli_flight.flight_record import FlightRecord
@@ -50,6 +51,7 @@ def add_parser(words: Any) -> None:
     fly.add_argument(
         "--controller", help="shipped controller or controller file in place of the plan's first one"
     )
+    fly.add_argument("--motor", default="motor", help="shipped motor controller or its file (default: motor)")
     fly.add_argument(
         "--plant", type=Path, help="model file: refuse controllers that were designed for another plant"
     )
@@ -116,6 +118,8 @@ def _order(options: argparse.Namespace) -> FlightOrder:
         real_time_scheduling=not options.no_real_time_scheduling,
         later=tuple(later),
         later_names=tuple(_absolute(name) for name in names[1:]),
+        motor=load_motor_controller(options.motor),
+        motor_name=_absolute(options.motor),
         plant=plant,
         replaced=_replaced(options.replace, options.mode),
     )
