@@ -1,9 +1,10 @@
 """Attitude controller: velocity references and the measured state to servo commands (spec 3, 3.3).
 
-    command = idle + authority (trim + K (state - trim, references) - idle)
+    command = idle + authority (limited(trim + K (state - trim, references)) - idle)
 
 K is whatever linear controller the file holds. Authority rises and falls linearly, so the rotor takes the
-load up and gives it back without a jump.
+load up and gives it back without a jump. K is told the command that went out, limited and faded, so that
+nothing in it winds up on the stop or at a limit.
 """
 
 from __future__ import annotations
@@ -14,17 +15,16 @@ from math import radians
 
 from heli_common import topics
 from heli_common.component import Message, StampJoin
-from heli_common.errors import InputError
 from heli_common.finite import require_finite
 from heli_common.quantities import quantity
 from heli_common.rotations import Euler, Vector3, matrix_from_euler, rotate, transpose
 from heli_common.timing import CONTROL_PERIOD
 from heli_common.vehicle_state import VehicleState, state_from_odometry, twist_from_values
-from heli_control.controller_file import SIGNALS, ControllerFile
+from heli_control.command_limits import CommandLimits
+from heli_control.controller_file import ControllerFile
+from heli_control.flight_law import FlightLaw
+from heli_control.law_exchange import LawExchange
 from heli_control.received import flight_state
-from heli_control.state_space import DiscreteBlock
-
-CHANNELS = topics.SERVO_CHANNELS
 
 
 @dataclass(frozen=True)
@@ -45,49 +45,13 @@ class AttitudeParameters:
     collective_maximum: float = quantity(radians(16.0), "rad", "D", "highest collective", -0.3, 0.5)
     tail_minimum: float = quantity(radians(-5.0), "rad", "D", "lowest tail collective", -0.5, 0.5)
     tail_maximum: float = quantity(radians(25.0), "rad", "D", "highest tail collective", -0.5, 0.6)
-
-
-class FlightLaw:
-    """Both axes of a controller file, with their operating point.
-
-    Args:
-        controller: as read from its file.
-    """
-
-    def __init__(self, controller: ControllerFile) -> None:
-        point = controller.operating_point
-        self.name = controller.name
-        self.trim = tuple(float(getattr(point, channel)) for channel in CHANNELS)
-        self._theta, self._phi = point.theta, point.phi
-        self._axes = []
-        for system in (controller.horizontal, controller.vertical):
-            taken = tuple(SIGNALS.index(name) for name in system.inputs)
-            given = tuple(CHANNELS.index(name) for name in system.outputs)
-            self._axes.append((DiscreteBlock(system), taken, given))
-
-    def step(self, state: VehicleState, velocity: Vector3, yaw_rate: float) -> list[float]:
-        """Commands B_1s A_1s theta_0 theta_t [rad].
-
-        Args:
-            state: of the helicopter.
-            velocity: reference in body FRD [m/s].
-            yaw_rate: reference about body z [rad/s].
-        """
-        u, v, w = state.velocity
-        p, q, r = state.rates
-        theta, phi = state.attitude.theta - self._theta, state.attitude.phi - self._phi
-        signals = (theta, phi, u, v, w, p, q, r, *velocity, yaw_rate)
-        commands = list(self.trim)
-        for block, taken, given in self._axes:
-            outputs = block.step([signals[index] for index in taken])
-            for index, output in zip(given, outputs, strict=True):
-                commands[index] += output
-        return commands
-
-    def reset(self) -> None:
-        """Back to rest at the operating point."""
-        for block, _, _ in self._axes:
-            block.reset()
+    collective_neutral: float = quantity(
+        radians(6.0), "rad", "D", "collective at which the swash-plate servos stand in the middle", -0.5, 0.5
+    )
+    shaft_limit: float = quantity(
+        radians(60.0), "rad", "D", "shaft angle of a swash-plate servo at its end", 0.1, 3.0
+    )
+    plate_lever: float = quantity(6.0, "-", "D", "shaft angle per blade angle, swash plate", 0.1, 100.0)
 
 
 class AttitudeController:
@@ -116,14 +80,16 @@ class AttitudeController:
         self.authority = 0.0
         self._rise = CONTROL_PERIOD / p.engage_time
         self._fall = CONTROL_PERIOD / p.release_time
-        self._exchange = CONTROL_PERIOD / p.exchange_time
         self._idle = (p.idle_B_1s, p.idle_A_1s, p.idle_theta_0, p.idle_theta_t)
-        self._lowest = (-p.cyclic_limit, -p.cyclic_limit, p.collective_minimum, p.tail_minimum)
-        self._highest = (p.cyclic_limit, p.cyclic_limit, p.collective_maximum, p.tail_maximum)
-        self._law = self._checked(controller)
-        self._previous: FlightLaw | None = None
-        self._exchanged = 0.0
-        self._asked = list(self._law.trim)
+        self._limits = CommandLimits(
+            (-p.cyclic_limit, -p.cyclic_limit, p.collective_minimum, p.tail_minimum),
+            (p.cyclic_limit, p.cyclic_limit, p.collective_maximum, p.tail_maximum),
+            p.collective_neutral,
+            p.shaft_limit / p.plate_lever,
+        )
+        law = self._checked(controller)
+        self._laws = LawExchange(law, CONTROL_PERIOD / p.exchange_time, self._limits.within)
+        self._asked = list(law.trim)
         self._join = StampJoin(self.inputs)
 
     def replace(self, controller: ControllerFile) -> None:
@@ -132,10 +98,9 @@ class AttitudeController:
         Raises:
             InputError: its operating point lies outside the limits; the old one goes on.
         """
-        law = self._checked(controller)
-        self._previous = self._law if self.authority > 0.0 else None
-        self._law = law
-        self._exchanged = 0.0
+        self._laws.replace(self._checked(controller))
+        if self.authority == 0.0:
+            self._laws.reset()
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
         """Take in one message; when all inputs of a stamp are there, the servo command.
@@ -156,9 +121,8 @@ class AttitudeController:
         else:
             self.authority = max(0.0, self.authority - self._fall)
         if self.authority == 0.0:
-            self._law.reset()
-            self._previous = None
-            self._asked = list(self._law.trim)
+            self._laws.reset()
+            self._asked = list(self._laws.law.trim)
             command = list(self._idle)
         else:
             if state.known:
@@ -168,6 +132,8 @@ class AttitudeController:
                 idle + self.authority * (asked - idle)
                 for idle, asked in zip(self._idle, self._asked, strict=True)
             ]
+            if state.known:
+                self._laws.follow(command)
         message = (*command, *(0.0,) * 8)
         require_finite("servo_command", message)
         return [Message("servo_command", stamp_ns, message)]
@@ -175,24 +141,9 @@ class AttitudeController:
     def _step(self, state: VehicleState, heading_velocity: Vector3, yaw_rate: float) -> list[float]:
         """The law's command within the limits; references come in heading axes."""
         level_to_body = transpose(matrix_from_euler(Euler(0.0, state.attitude.theta, state.attitude.phi)))
-        velocity = rotate(level_to_body, heading_velocity)
-        asked = self._law.step(state, velocity, yaw_rate)
-        if self._previous is not None:
-            self._exchanged += self._exchange
-            old = self._previous.step(state, velocity, yaw_rate)
-            share = min(1.0, self._exchanged)
-            asked = [before + share * (after - before) for before, after in zip(old, asked, strict=True)]
-            if self._exchanged >= 1.0:
-                self._previous = None
-        return [
-            min(max(value, lowest), highest)
-            for value, lowest, highest in zip(asked, self._lowest, self._highest, strict=True)
-        ]
+        return self._laws.step(state, rotate(level_to_body, heading_velocity), yaw_rate)
 
     def _checked(self, controller: ControllerFile) -> FlightLaw:
         law = FlightLaw(controller)
-        for name, value, low, high in zip(CHANNELS, law.trim, self._lowest, self._highest, strict=True):
-            if not low <= value <= high:
-                allowed = f"{low:.4g} .. {high:.4g} rad"
-                raise InputError(f"{value!r}", allowed=allowed, key=f"{law.name}: operating_point.{name}")
+        self._limits.require(law.trim, f"{law.name}: operating_point")
         return law

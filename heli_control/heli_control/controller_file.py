@@ -1,21 +1,24 @@
 """The controller file: both axes of a flight controller as discrete state space, read strictly.
 
-YAML, `format: heli_controller/1`. Inputs are deviations of the measured state from the operating point and
+YAML, `format: heli_controller/2`. Inputs are deviations of the measured state from the operating point and
 absolute references; outputs are deviations of the commands from the operating point. Any linear controller
-fits: a static gain has no states.
+fits: a static gain has no states. Every axis also says how its states follow when the command that went
+out is not the one it asked for:
+
+    asked = C x + D in,   x+ = A x + B in + E (applied - asked)
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from importlib.resources import files
+from dataclasses import asdict, dataclass, field, fields
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from heli_common.errors import InputError
 from heli_common.files import read_yaml, write_atomically
-from heli_common.linear_model import OperatingPoint, StateSpace
+from heli_common.linear_model import Array, OperatingPoint, StateSpace, fixed_matrix
 from heli_common.model_file import (
     check_format,
     check_keys,
@@ -28,12 +31,38 @@ from heli_common.model_file import (
 from heli_common.timing import CONTROL_PERIOD
 from heli_common.topics import SERVO_CHANNELS
 
-FORMAT = "heli_controller/1"
+FORMAT = "heli_controller/2"
 AXES = ("horizontal", "vertical")
 MEASURED = ("theta", "phi", "u", "v", "w", "p", "q", "r")
 REFERENCES = ("u_ref", "v_ref", "w_ref", "r_ref")
 SIGNALS = MEASURED + REFERENCES
 """What a controller may ask for: angles [rad], velocities [m/s] and rates [rad/s] in body FRD."""
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerAxis:
+    """One axis of a flight controller.
+
+    Attributes:
+        system: x+ = A x + B in, asked = C x + D in, sampled at 100 Hz; n states, p outputs.
+        anti_windup: E, shape (n, p), read-only copy: added to x+ is E (applied - asked), both in rad from
+            the operating point.
+
+    Raises:
+        InputError: a wrong shape, or a number that is not finite.
+    """
+
+    system: StateSpace
+    anti_windup: Array
+
+    def __post_init__(self) -> None:
+        rows, columns = len(self.system.states), len(self.system.outputs)
+        matrix = fixed_matrix(self.anti_windup, rows, columns, "anti_windup")
+        object.__setattr__(self, "anti_windup", matrix)
+
+    def mapping(self) -> dict[str, Any]:
+        """Names and nested lists, as they stand in a file."""
+        return self.system.mapping() | {"anti_windup": self.anti_windup.tolist()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +89,8 @@ class ControllerFile:
     plant_name: str
     plant_hash: str
     operating_point: OperatingPoint
-    horizontal: StateSpace
-    vertical: StateSpace
+    horizontal: ControllerAxis
+    vertical: ControllerAxis
     provenance: Mapping[str, Any] = field(default_factory=dict)
     sample_time_s: float = CONTROL_PERIOD
 
@@ -70,7 +99,7 @@ class ControllerFile:
             raise InputError(f"{self.sample_time_s!r}", allowed=f"{CONTROL_PERIOD}", key="sample_time_s")
         given: list[str] = []
         for axis in AXES:
-            block: StateSpace = getattr(self, axis)
+            block: StateSpace = getattr(self, axis).system
             _check_names(block.inputs, SIGNALS, f"axes.{axis}.inputs")
             _check_names(block.outputs, SERVO_CHANNELS, f"axes.{axis}.outputs")
             for index, name in enumerate(block.outputs):
@@ -131,8 +160,8 @@ class ControllerFile:
                 plant_name=read_word(plant["name"], path, "plant.name"),
                 plant_hash=read_word(plant["hash"], path, "plant.hash"),
                 operating_point=read_operating_point(document["operating_point"], path, "operating_point"),
-                horizontal=read_state_space(axes["horizontal"], path, "axes.horizontal"),
-                vertical=read_state_space(axes["vertical"], path, "axes.vertical"),
+                horizontal=_read_axis(axes["horizontal"], path, "axes.horizontal"),
+                vertical=_read_axis(axes["vertical"], path, "axes.vertical"),
                 provenance=read_mapping(document.get("provenance", {}), path, "provenance"),
                 sample_time_s=document["sample_time_s"],
             )
@@ -142,7 +171,7 @@ class ControllerFile:
 
 def shipped_controllers() -> dict[str, Path]:
     """Names and files of the controllers that come with this package."""
-    folder = Path(str(files("heli_control"))) / "controllers"
+    folder = Path(str(resources.files("heli_control"))) / "controllers"
     return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
 
 
@@ -160,6 +189,17 @@ def load_controller(name_or_path: str) -> ControllerFile:
         return ControllerFile.read(shipped[name_or_path])
     allowed = "a file, or one of " + ", ".join(shipped)
     raise InputError(f"{name_or_path!r} is no controller", allowed=allowed, key="controller")
+
+
+def _read_axis(value: object, path: Path, key: str) -> ControllerAxis:
+    block = read_mapping(value, path, key)
+    names = [entry.name for entry in fields(StateSpace)]
+    check_keys(block, (*names, "anti_windup"), (), path, f"{key}.")
+    system = read_state_space({name: block[name] for name in names}, path, key)
+    try:
+        return ControllerAxis(system, block["anti_windup"])
+    except InputError as error:
+        raise InputError(error.problem, allowed=error.allowed, key=f"{key}.{error.key}") from None
 
 
 def _check_names(names: tuple[str, ...], known: tuple[str, ...], key: str) -> None:

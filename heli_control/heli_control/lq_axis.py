@@ -24,6 +24,7 @@ from scipy.linalg import solve_continuous_are, solve_discrete_are
 from heli_common.errors import InputError
 from heli_common.linear_model import StateSpace
 from heli_common.timing import CONTROL_PERIOD
+from heli_control.controller_file import ControllerAxis
 from heli_control.state_space import delayed_zero_order_hold
 
 Array = NDArray[np.float64]
@@ -154,8 +155,8 @@ def design_axis(
     )
 
 
-def controller_block(design: AxisDesign) -> StateSpace:
-    """The discrete controller as state space: states are the past commands, newest first."""
+def controller_block(design: AxisDesign) -> ControllerAxis:
+    """The discrete controller: states are the past commands, newest first, as they were applied."""
     n, m = len(design.states), len(design.inputs)
     late = design.past.shape[1] // m
     referenced = [name for name in design.states if name in REFERENCES]
@@ -168,8 +169,9 @@ def controller_block(design: AxisDesign) -> StateSpace:
     if late:
         a[:m], b[:m] = -design.past, direct
         a[m:, :-m] = np.eye((late - 1) * m)
+    applied = np.eye(late * m, m)
     states = tuple(f"{name}_{age}" for age in range(1, late + 1) for name in design.inputs)
-    return StateSpace(states, inputs, design.inputs, a, b, -design.past, direct)
+    return ControllerAxis(StateSpace(states, inputs, design.inputs, a, b, -design.past, direct), applied)
 
 
 def _sorted(poles: Any) -> Poles:

@@ -62,7 +62,7 @@ def figures(plant: StateSpace, design: AxisDesign, delay: float) -> dict[str, An
     names = plant.states + tuple(f"late_{index}" for index in range(len(late_a) - order))
     late_c = np.hstack((seen, np.zeros((n, len(late_a) - order))))
     late = StateSpace(names, design.inputs, design.states, late_a, late_b, late_c, full.D)
-    controller = frequency_response(controller_block(design), omega, CONTROL_PERIOD)[:, :, :n]
+    controller = frequency_response(controller_block(design).system, omega, CONTROL_PERIOD)[:, :, :n]
     peaks = sensitivity_peaks(design.continuous @ response)
     late_peaks = sensitivity_peaks(np.matmul(-controller, frequency_response(late, omega, CONTROL_PERIOD)))
     main = [design.inputs.index(MAIN_COMMAND[state]) for state in design.states]

@@ -16,7 +16,7 @@ from scipy.linalg import expm
 from heli_common.linear_model import StateSpace
 
 Array = NDArray[np.float64]
-_Rows = tuple[tuple[float, ...], ...]
+Rows = tuple[tuple[float, ...], ...]
 
 
 class DiscreteBlock:
@@ -34,8 +34,8 @@ class DiscreteBlock:
         self.inputs = system.inputs
         self.outputs = system.outputs
         # one row per sum: [A B] for the next state, [C D] for the output
-        self._next = _rows(np.hstack((system.A, system.B)))
-        self._output = _rows(np.hstack((system.C, system.D)))
+        self._next = rows_of(np.hstack((system.A, system.B)))
+        self._output = rows_of(np.hstack((system.C, system.D)))
         self._rest = (0.0,) * len(system.states)
         self._state = self._rest
 
@@ -56,8 +56,21 @@ class DiscreteBlock:
         if len(inputs) != len(self.inputs):
             raise ValueError(f"{len(inputs)} numbers for inputs {', '.join(self.inputs)}")
         column = (*self._state, *inputs)
-        self._state = tuple([_product(row, column) for row in self._next])
-        return tuple([_product(row, column) for row in self._output])
+        self._state = tuple([product(row, column) for row in self._next])
+        return tuple([product(row, column) for row in self._output])
+
+    def place(self, state: tuple[float, ...]) -> None:
+        """Go on from another state.
+
+        Args:
+            state: a number per state.
+
+        Raises:
+            ValueError: another number of states.
+        """
+        if len(state) != len(self._rest):
+            raise ValueError(f"{len(state)} numbers for {len(self._rest)} states")
+        self._state = state
 
     def reset(self) -> None:
         """Back to state zero."""
@@ -126,11 +139,13 @@ def delayed_zero_order_hold(a: Array, b: Array, period: float, delay: float) -> 
     return full_a, full_b
 
 
-def _rows(matrix: Array) -> _Rows:
+def rows_of(matrix: Array) -> Rows:
+    """A matrix as plain floats, row by row."""
     return tuple(tuple(row) for row in matrix.tolist())
 
 
-def _product(row: tuple[float, ...], column: tuple[float, ...]) -> float:
+def product(row: tuple[float, ...], column: tuple[float, ...]) -> float:
+    """Sum of the products, in order."""
     total = 0.0
     for factor, value in zip(row, column, strict=True):
         total += factor * value

@@ -15,8 +15,9 @@ from heli_common.rotations import Euler, Vector3
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import TOPICS
 from heli_common.vehicle_state import UNKNOWN_VARIANCE, VehicleState, odometry_values, twist_values
-from heli_control.attitude_control import AttitudeController, AttitudeParameters, FlightLaw
-from heli_control.controller_file import ControllerFile
+from heli_control.attitude_control import AttitudeController, AttitudeParameters
+from heli_control.controller_file import ControllerAxis, ControllerFile
+from heli_control.flight_law import FlightLaw
 from heli_control.lq import LqWeights, design_lq
 
 MODEL = ModelFile.read(Path(__file__).parent / "data" / "hover_model.yaml")
@@ -33,17 +34,17 @@ HOVER = VehicleState(ZERO, Euler(0.3, POINT.theta, POINT.phi), ZERO, ZERO)
 def only(axis: str, signal: str, output: str, gain: float) -> ControllerFile:
     """A controller with one gain and otherwise trim."""
 
-    def block(name: str, inputs: tuple[str, ...], outputs: tuple[str, ...]) -> StateSpace:
+    def block(name: str, inputs: tuple[str, ...], outputs: tuple[str, ...]) -> ControllerAxis:
         direct = np.zeros((2, len(inputs)))
         if name == axis:
             direct[outputs.index(output), inputs.index(signal)] = gain
         empty = (np.zeros((0, 0)), np.zeros((0, len(inputs))), np.zeros((2, 0)))
-        return StateSpace((), inputs, outputs, *empty, direct)
+        return ControllerAxis(StateSpace((), inputs, outputs, *empty, direct), np.zeros((0, 2)))
 
     return replace(
         STATIC,
-        horizontal=block("horizontal", STATIC.horizontal.inputs, ("B_1s", "A_1s")),
-        vertical=block("vertical", STATIC.vertical.inputs, ("theta_0", "theta_t")),
+        horizontal=block("horizontal", STATIC.horizontal.system.inputs, ("B_1s", "A_1s")),
+        vertical=block("vertical", STATIC.vertical.system.inputs, ("theta_0", "theta_t")),
     )
 
 
@@ -75,7 +76,7 @@ class Driver:
         return tuple(message.values[:4])
 
     def engaged(self) -> Driver:
-        for _ in range(200):
+        for _ in range(260):  # full authority after 200; then the past commands are those of full authority
             self.step()
         assert self.component.authority == 1.0
         return self
@@ -125,7 +126,7 @@ def test_reference_is_turned_from_heading_axes_into_the_body() -> None:
 
 
 def test_authority_rises_in_two_seconds_and_falls_in_one() -> None:
-    driver = Driver(LQ)
+    driver = Driver(STATIC)
     assert driver.step(flight=FlightState.RUN_UP) == pytest.approx(IDLE)
     for k in range(1, 201):
         command = driver.step()
@@ -193,6 +194,35 @@ def test_another_controller_takes_over_without_a_jump() -> None:
     assert commands[-1] == pytest.approx(Driver(target).engaged().step(state), abs=1e-12)
 
 
+def test_an_integral_does_not_wind_up_while_authority_rises() -> None:
+    """On the stop a velocity error stays; the law is told what went out."""
+    lag = StateSpace(
+        ("i", "j"), ("w", "r"), ("theta_0", "theta_t"),
+        np.eye(2), 0.1 * np.eye(2), np.eye(2), np.zeros((2, 2)),
+    )  # fmt: skip
+    told = replace(STATIC, vertical=ControllerAxis(lag, 0.5 * np.eye(2)))
+    deaf = replace(STATIC, vertical=ControllerAxis(lag, np.zeros((2, 2))))
+    sinking = HOVER._replace(velocity=(0.0, 0.0, 0.1))
+    ends = []
+    for law in (told, deaf):
+        driver = Driver(law)
+        for _ in range(150):
+            command = driver.step(sinking)
+        ends.append(command[2])
+    # it settles where half of the quarter not applied is 0.01: 0.08 above idle, of which 0.06 act
+    assert ends[0] == pytest.approx(IDLE[2] + 0.06, abs=0.01)
+    assert ends[1] > IDLE[2] + 0.75 * (PARAMETERS.collective_maximum - IDLE[2]) - 1e-9
+
+
+def test_the_first_command_of_another_controller_is_the_one_before() -> None:
+    driver = Driver(LQ).engaged()
+    state = HOVER._replace(velocity=(0.05, -0.05, 0.05), rates=(0.02, 0.0, 0.1))
+    for _ in range(60):
+        before = driver.step(state)
+    driver.component.replace(design_lq(MODEL, replace(LqWeights(), u=20.0, w=5.0)))
+    assert driver.step(state) == pytest.approx(before, abs=1e-9)
+
+
 def test_replacing_on_the_ground_is_at_once() -> None:
     driver = Driver(STATIC)
     driver.step(flight=FlightState.IDLE)
@@ -226,8 +256,8 @@ def test_a_number_that_is_not_finite_is_refused_by_name(topic: str, value: float
 
 def test_a_command_that_is_not_finite_is_never_sent() -> None:
     both = only("horizontal", "u", "B_1s", 1e10).horizontal
-    direct = np.full(both.D.shape, 1e10)
-    driver = Driver(replace(STATIC, horizontal=replace(both, D=direct)))
+    direct = replace(both.system, D=np.full(both.system.D.shape, 1e10))
+    driver = Driver(replace(STATIC, horizontal=replace(both, system=direct)))
     with pytest.raises(ValueError, match=r"servo_command: position\.B_1s is nan"):
         driver.step(HOVER._replace(velocity=(1e300, -1e300, 0.0)))
 
@@ -237,7 +267,7 @@ def test_law_with_other_inputs_and_states_fits() -> None:
         ("a", "b"), ("phi", "w_ref"), ("theta_t", "theta_0"),
         np.array([[0.5, 0.0], [0.0, 0.5]]), np.eye(2), np.eye(2), np.zeros((2, 2)),
     )  # fmt: skip
-    law = FlightLaw(replace(STATIC, vertical=lag))
+    law = FlightLaw(replace(STATIC, vertical=ControllerAxis(lag, np.zeros((2, 2)))))
     state = HOVER._replace(attitude=Euler(0.0, POINT.theta, POINT.phi + 0.2))
     assert law.step(state, (0.0, 0.0, 0.1), 0.0)[2:] == pytest.approx(TRIM[2:])
     assert law.step(state, (0.0, 0.0, 0.1), 0.0)[2:] == pytest.approx((TRIM[2] + 0.1, TRIM[3] + 0.2))

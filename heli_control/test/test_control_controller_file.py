@@ -11,7 +11,7 @@ import yaml
 
 from heli_common.errors import InputError
 from heli_common.linear_model import OperatingPoint, StateSpace
-from heli_control.controller_file import ControllerFile, load_controller, shipped_controllers
+from heli_control.controller_file import ControllerAxis, ControllerFile, load_controller, shipped_controllers
 
 POINT = OperatingPoint(
     theta_0=0.169, theta_t=0.195, phi=-0.0944, theta=-0.0069, B_1s=0.0065, A_1s=0.0005, a_1p=0.0093,
@@ -19,11 +19,10 @@ POINT = OperatingPoint(
 )  # fmt: skip
 
 
-def gain(inputs: tuple[str, ...], outputs: tuple[str, ...]) -> StateSpace:
+def gain(inputs: tuple[str, ...], outputs: tuple[str, ...]) -> ControllerAxis:
     p, m = len(outputs), len(inputs)
-    return StateSpace(
-        (), inputs, outputs, np.zeros((0, 0)), np.zeros((0, m)), np.zeros((p, 0)), np.full((p, m), 1 / 3)
-    )
+    empty = (np.zeros((0, 0)), np.zeros((0, m)), np.zeros((p, 0)))
+    return ControllerAxis(StateSpace((), inputs, outputs, *empty, np.full((p, m), 1 / 3)), np.zeros((0, p)))
 
 
 def controller() -> ControllerFile:
@@ -32,8 +31,9 @@ def controller() -> ControllerFile:
         ("slow",), ("w", "w_ref", "r"), ("theta_0", "theta_t"),
         np.array([[0.9]]), np.array([[0.1, -0.1, 0.0]]), np.array([[1.0], [0.0]]), np.eye(2, 3),
     )  # fmt: skip
+    vertical = ControllerAxis(lag, np.array([[0.1, 0.0]]))
     return ControllerFile(
-        "mixed", "lq", "hover", "0" * 64, POINT, horizontal, lag, {"by": "hand", "n": [1, 2]}
+        "mixed", "lq", "hover", "0" * 64, POINT, horizontal, vertical, {"by": "hand", "n": [1, 2]}
     )
 
 
@@ -42,7 +42,9 @@ def test_file_comes_back_bit_for_bit(tmp_path: Path) -> None:
     before.write(tmp_path / "a.yaml")
     after = ControllerFile.read(tmp_path / "a.yaml")
     assert after.mapping() == before.mapping()
-    assert after.horizontal.D.tobytes() == before.horizontal.D.tobytes()
+    assert after.horizontal.system.D.tobytes() == before.horizontal.system.D.tobytes()
+    assert after.vertical.anti_windup.tobytes() == before.vertical.anti_windup.tobytes()
+    assert after.horizontal.anti_windup.shape == (0, 2)
     assert after.to_yaml() == (tmp_path / "a.yaml").read_text()
     assert after.operating_point == POINT
 
@@ -68,6 +70,7 @@ def _change(document: dict[str, Any], key: str, value: Any) -> None:
     ("key", "value", "words"),
     [
         ("format", "heli_controller/9", "format: 'heli_controller/9' is another format (allowed: heli_cont"),
+        ("format", "heli_controller/1", "is another format (allowed: heli_controller/2)"),
         ("format", "heli_model/1", "is another format"),
         ("name", 3, "name: 3 is no name"),
         ("kind", "", "kind: '' is no name"),
@@ -84,6 +87,12 @@ def _change(document: dict[str, Any], key: str, value: Any) -> None:
         ("axes.vertical.D", KeyError, "axes.vertical.D: is missing"),
         ("axes.vertical.A", [[0.9, 0.0]], "axes.vertical.A[0]: holds 2 numbers (allowed: 1 rows of 1 numb"),
         ("axes.vertical.B", [[0.1, -0.1, math.inf]], "axes.vertical.B[0][2]: inf is not finite"),
+        ("axes.vertical.anti_windup", KeyError, "axes.vertical.anti_windup: is missing"),
+        ("axes.vertical.anti_windup", [[0.1]], "anti_windup[0]: holds 1 numbers (allowed: 1 rows of 2"),
+        ("axes.vertical.anti_windup", [], "axes.vertical.anti_windup: holds 0 rows (allowed: 1 rows of 2"),
+        ("axes.vertical.anti_windup", [[0.1, math.nan]], "vertical.anti_windup[0][1]: nan is not finite"),
+        ("axes.horizontal.anti_windup", [[0.0, 0.0]], "anti_windup: holds 1 rows (allowed: 0 rows"),
+        ("axes.vertical.E", [[0.1, 0.0]], "axes.vertical.E: unknown key"),
         ("axes.vertical.inputs", ["w", "w", "r"], "axes.vertical.inputs[1]: 'w' occurs twice"),
         ("axes.vertical.inputs", ["w", "W", "r"], "axes.vertical.inputs[1]: unknown signal 'W' (allowed: th"),
         ("axes.vertical.outputs", ["theta_0", "U_mot"], "axes.vertical.outputs[1]: unknown signal 'U_mot'"),

@@ -96,7 +96,7 @@ def test_discrete_gain_is_a_minimum_of_the_cost() -> None:
 @pytest.mark.parametrize("delay", [0.0, 0.004, 0.01, 0.02, 0.025])
 def test_controller_block_closes_the_loop_it_was_designed_for(delay: float) -> None:
     design = horizontal(delay)
-    block = controller_block(design)
+    block = controller_block(design).system
     assert len(block.states) == 2 * int(np.ceil(delay / CONTROL_PERIOD - 1e-9))
     a, b = delayed_zero_order_hold(design.A, design.B, CONTROL_PERIOD, delay)
     n, k = len(a), len(block.states)
@@ -112,8 +112,19 @@ def test_controller_block_closes_the_loop_it_was_designed_for(delay: float) -> N
     assert np.abs(poles).max() < 1.0
 
 
+def test_states_are_the_commands_that_were_applied() -> None:
+    axis = controller_block(horizontal())  # two commands late: (newest B_1s, A_1s, older B_1s, A_1s)
+    block, e = axis.system, axis.anti_windup
+    state, inputs = np.array([0.01, -0.02, 0.03, -0.04]), np.linspace(0.01, 0.08, 8)
+    asked = block.C @ state + block.D @ inputs
+    applied = np.array([0.1, -0.2])
+    after = block.A @ state + block.B @ inputs + e @ (applied - asked)
+    np.testing.assert_allclose(after, [0.1, -0.2, 0.01, -0.02], atol=1e-15)
+    assert controller_block(horizontal(0.0)).anti_windup.shape == (0, 2)
+
+
 def test_reference_equal_to_the_velocity_asks_for_nothing() -> None:
-    block = controller_block(horizontal())
+    block = controller_block(horizontal()).system
     columns = {name: block.inputs.index(name) for name in block.inputs}
     for velocity in ("u", "v"):
         together = block.D[:, columns[velocity]] + block.D[:, columns[f"{velocity}_ref"]]
@@ -124,7 +135,7 @@ def test_reference_equal_to_the_velocity_asks_for_nothing() -> None:
 
 def test_without_delay_the_controller_is_a_gain_and_nearly_the_continuous_one_at_100_kilohertz() -> None:
     static = design_lq(MODEL, replace(WEIGHTS, command_delay=0.0))
-    assert static.horizontal.states == ()
+    assert static.horizontal.system.states == ()
     slow = plant(("w",), ("theta_0",), [[-0.01]], [[-0.5]])
     design = design_axis(slow, ("w",), ("theta_0",), np.array([1.0]), np.array([1.0]), 0.0)
     assert design.discrete[0, 0] == pytest.approx(design.continuous[0, 0], rel=1e-3)
@@ -134,13 +145,13 @@ def test_six_state_model_gives_the_same_controller() -> None:
     a, b = residualised(MODEL.horizontal, HORIZONTAL_STATES, HORIZONTAL_INPUTS)
     six = plant(HORIZONTAL_STATES, HORIZONTAL_INPUTS, a, b)
     first, second = design_lq(MODEL, WEIGHTS), design_lq(replace(MODEL, horizontal=six), WEIGHTS)
-    np.testing.assert_allclose(second.horizontal.D, first.horizontal.D, rtol=1e-9)
+    np.testing.assert_allclose(second.horizontal.system.D, first.horizontal.system.D, rtol=1e-9)
     assert second.plant_hash != first.plant_hash
 
 
 def test_signs_bring_the_helicopter_back() -> None:
     direct = design_lq(MODEL, WEIGHTS)
-    h, v = direct.horizontal, direct.vertical
+    h, v = direct.horizontal.system, direct.vertical.system
 
     def answer(block: StateSpace, output: str, signal: str) -> float:
         return float(block.D[block.outputs.index(output), block.inputs.index(signal)])
@@ -174,9 +185,11 @@ def test_shipped_controller_is_the_default_design() -> None:
     assert shipped.plant_hash == designed.plant_hash
     assert shipped.provenance["weights"] == asdict(WEIGHTS)
     for axis in ("horizontal", "vertical"):
+        ours, theirs = getattr(designed, axis), getattr(shipped, axis)
         for matrix in "ABCD":
-            ours, theirs = getattr(getattr(designed, axis), matrix), getattr(getattr(shipped, axis), matrix)
-            np.testing.assert_allclose(theirs, ours, rtol=1e-6, atol=1e-12)
+            close = {"rtol": 1e-6, "atol": 1e-12}
+            np.testing.assert_allclose(getattr(theirs.system, matrix), getattr(ours.system, matrix), **close)
+        np.testing.assert_array_equal(theirs.anti_windup, ours.anti_windup)
 
 
 def test_printed_units() -> None:

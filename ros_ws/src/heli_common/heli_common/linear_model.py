@@ -43,7 +43,7 @@ class StateSpace:
             object.__setattr__(self, key, _names(getattr(self, key), key))
         n, m, p = len(self.states), len(self.inputs), len(self.outputs)
         for key, rows, columns in (("A", n, n), ("B", n, m), ("C", p, n), ("D", p, m)):
-            object.__setattr__(self, key, _matrix(getattr(self, key), rows, columns, key))
+            object.__setattr__(self, key, fixed_matrix(getattr(self, key), rows, columns, key))
 
     @property
     def poles(self) -> NDArray[np.complex128]:
@@ -130,18 +130,18 @@ def positions(names: Sequence[str], known: Sequence[str], kind: str) -> list[int
     return [known.index(name) for name in names]
 
 
-def _names(value: Any, key: str) -> tuple[str, ...]:
-    if not isinstance(value, (list, tuple)):
-        raise InputError(f"{short(value)} is no list", allowed="a list of names", key=key)
-    for index, name in enumerate(value):
-        if not isinstance(name, str) or not name.strip():
-            raise InputError(f"{short(name)} is no name", allowed="a text", key=f"{key}[{index}]")
-        if name in value[:index]:
-            raise InputError(f"{name!r} occurs twice", allowed="every name once", key=f"{key}[{index}]")
-    return tuple(value)
+def fixed_matrix(value: Any, rows: int, columns: int, key: str) -> Array:
+    """A read-only matrix of the given shape from an array or nested lists.
 
+    Args:
+        value: from code or from a file.
+        rows: number of rows, also none.
+        columns: number of columns, also none.
+        key: names the matrix in errors.
 
-def _matrix(value: Any, rows: int, columns: int, key: str) -> Array:
+    Raises:
+        InputError: a wrong shape, or an entry that is no finite number; its key names the entry.
+    """
     nested = value.tolist() if isinstance(value, np.ndarray) else value
     allowed = f"{rows} rows of {columns} numbers"
     if not isinstance(nested, (list, tuple)) or len(nested) != rows:
@@ -156,6 +156,17 @@ def _matrix(value: Any, rows: int, columns: int, key: str) -> Array:
             matrix[i, j] = _number(number, f"{key}[{i}][{j}]")
     matrix.setflags(write=False)
     return matrix
+
+
+def _names(value: Any, key: str) -> tuple[str, ...]:
+    if not isinstance(value, (list, tuple)):
+        raise InputError(f"{short(value)} is no list", allowed="a list of names", key=key)
+    for index, name in enumerate(value):
+        if not isinstance(name, str) or not name.strip():
+            raise InputError(f"{short(name)} is no name", allowed="a text", key=f"{key}[{index}]")
+        if name in value[:index]:
+            raise InputError(f"{name!r} occurs twice", allowed="every name once", key=f"{key}[{index}]")
+    return tuple(value)
 
 
 def _number(value: Any, key: str) -> float:

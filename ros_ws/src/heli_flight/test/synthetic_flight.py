@@ -168,7 +168,7 @@ def write_flight(
             "seed": str(flown.seed),
             "mode": "lockstep",
             "controller": controller,
-            "controller_file": "format: heli_controller/1\nname: lq\n",
+            "controller_file": "format: heli_controller/2\nname: lq\n",
             "parameters": '{"heli_bench_sim": {"gust_xy": 0.35}}',
             "versions": '{"python": "3.11.7", "heli_flight": "0.1.0", "numpy": "2.2.6"}',
         },

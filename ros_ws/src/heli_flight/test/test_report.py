@@ -63,7 +63,7 @@ def test_a_whole_flight(flights: Path, tmp_path: Path) -> None:
         "lq",
         "gust_xy",
         "run_down",
-        "heli_controller/1",
+        "heli_controller/2",
     ):
         assert words in page
     assert "What is missing" not in page
