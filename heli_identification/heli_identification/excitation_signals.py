@@ -82,7 +82,7 @@ def chirp(count: int, band: Band) -> Array:
     low, high = band
     growth = log(high / low) / count
     phase = low * CONTROL_PERIOD / growth * np.expm1(growth * np.arange(count))
-    return np.sin(phase)
+    return np.asarray(np.sin(phase))
 
 
 def noise(count: int, band: Band, rng: np.random.Generator) -> Array:
@@ -124,7 +124,7 @@ def multisine(count: int, band: Band, rng: np.random.Generator, place: int = 0, 
     spectrum[lines] = np.exp(-1j * pi * order * (order + 1) / max(1, lines.size))
     once = _peak_one(np.fft.irfft(spectrum, period))
     start = int(rng.integers(period))
-    return once[(start + np.arange(count)) % period]
+    return np.asarray(once[(start + np.arange(count)) % period])
 
 
 def multisine_period(count: int) -> int:
@@ -153,7 +153,7 @@ def prbs(count: int, band: Band, rng: np.random.Generator) -> Array:
     ones = _register(bits, rng)
     levels = np.where(ones, (length - 1) / (length + 1), -1.0)
     start = int(rng.integers(length * clock))
-    return levels[(start + np.arange(count)) // clock % length]
+    return np.asarray(levels[(start + np.arange(count)) // clock % length])
 
 
 def prbs_clock(band: Band) -> int:
@@ -193,7 +193,7 @@ def _lines(period: int, band: Band) -> NDArray[np.int64]:
 
 
 def _peak_one(signal: Array) -> Array:
-    return signal / np.max(np.abs(signal))
+    return np.asarray(signal / np.max(np.abs(signal)))
 
 
 def _register(bits: int, rng: np.random.Generator) -> NDArray[np.bool_]:

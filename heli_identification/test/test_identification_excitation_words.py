@@ -39,7 +39,7 @@ def words(draw: st.DrawFn) -> dict[str, object]:
         mapping["hold"] = draw(st.floats(0.05, 1.0))
     else:
         low = draw(st.floats(0.5, 3.0))
-        mapping["band_rad_s"] = [low, draw(st.floats(4.5 * low, 40.0))]
+        mapping["band_rad_s"] = [low, draw(st.floats(max(8.0, 4.5 * low), 40.0))]
     return mapping
 
 
