@@ -14,7 +14,7 @@ prbs, noise and multisine a band. `fade` (1 s) and `seed` (1) may be left out.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import degrees, radians
+from math import degrees, inf, nextafter, radians
 
 import yaml
 
@@ -219,7 +219,7 @@ class _Reader:
 
 
 def _degrees(angle: float) -> float:
-    """The degrees that were read as this angle [rad]."""
+    """The degrees that were read as this angle [rad], to the last bit."""
     exact = degrees(angle)
-    short = round(exact, 9)
-    return short if radians(short) == angle else exact
+    near = (round(exact, 9), exact, nextafter(exact, inf), nextafter(exact, -inf))
+    return next((found for found in near if radians(found) == angle), exact)
