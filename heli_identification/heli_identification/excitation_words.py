@@ -85,12 +85,19 @@ def excitation_from_text(text: str) -> Excitation:
     """
     if len(text) > LONGEST_REQUEST:
         raise InputError(f"{len(text)} characters are no excitation", allowed=_EXAMPLE, key="excite")
-    try:
-        settings = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        problem = " ".join(str(error).split())[:80]
-        raise InputError(f"no YAML: {problem}", allowed=_EXAMPLE, key="excite") from None
-    return read_excitation(settings)
+    return read_excitation(_yaml(text, "excite"))
+
+
+def excitations_from_text(text: str) -> tuple[Excitation, ...]:
+    """The excitations of a list of mappings in YAML.
+
+    Raises:
+        InputError: names the key, the value and what is allowed.
+    """
+    entries = _yaml(text, "excitations")
+    if not isinstance(entries, list):
+        raise InputError(f"{entries!r} is no list", allowed=f"[{_EXAMPLE}]", key="excitations")
+    return tuple(read_excitation(entry, key=f"excitations[{i}]") for i, entry in enumerate(entries))
 
 
 def excitation_mapping(excitation: Excitation) -> dict[str, object]:
@@ -106,6 +113,14 @@ def excitation_mapping(excitation: Excitation) -> dict[str, object]:
     if excitation.hold is not None:
         settings["hold"] = excitation.hold
     return settings | {"duration": excitation.duration, "fade": excitation.fade, "seed": excitation.seed}
+
+
+def _yaml(text: str, key: str) -> object:
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        problem = " ".join(str(error).split())[:80]
+        raise InputError(f"no YAML: {problem}", allowed=_EXAMPLE, key=key) from None
 
 
 class _Reader:
