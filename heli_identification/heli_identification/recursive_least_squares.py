@@ -2,7 +2,7 @@
 
     y_i = phi_i' theta + e_i,   theta minimises sum of lambda^(n-i) e_i^2
 
-With white errors of variance s^2 the estimate's covariance is s^2 P S P, where P is the inverse of the weighted
+With white errors of variance s^2 the covariance of the estimate is s^2 P S P, where P inverts the weighted
 information, sum of lambda^(n-i) phi phi', and S is the same sum with the weights squared; s^2 comes from the
 weighted residuals, whose expectation is s^2 (sum of lambda^(n-i) - trace(P S)). Nothing is approximated,
 whatever the number of samples, but the start: P is large there, not infinite.
