@@ -26,6 +26,9 @@ from heli_identification.recursive_least_squares import RecursiveLeastSquares
 WINDOW = ESTIMATE_PERIOD_NS // CONTROL_PERIOD_NS
 """Samples from one regression to the next."""
 
+_HELD = slice(4, 6)
+"""Columns of the commands: they are held from one sample to the next."""
+
 UNKNOWN_ERROR = 1e9
 """Standard error published while nothing is known."""
 
@@ -80,6 +83,7 @@ class RunningEstimate:
         rows = np.array(self._window)
         ends = 0.5 * (rows[0] + rows[-1])
         means = (ends + rows[1:-1].sum(axis=0)) / WINDOW  # trapezoidal rule
+        means[_HELD] = rows[:-1, _HELD].mean(axis=0)
         rates = (rows[-1] - rows[0]) / (WINDOW * CONTROL_PERIOD)
         pitch, roll = self._axes
         pitch.step(means[[0, 1, 2, 4, 5, 6]], float(rates[2]))

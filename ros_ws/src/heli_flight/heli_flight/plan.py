@@ -144,9 +144,9 @@ class Plan:
 
 
 def _listed(key: str, entries: list[dict[str, object]]) -> str:
-    """A list of mappings, one line each."""
-    lines = [yaml.safe_dump(entry, default_flow_style=None, sort_keys=False, width=1000) for entry in entries]
-    return f"{key}:\n" + "".join(f"  - {line}" for line in lines)
+    """A list of mappings, one line each where it holds no list itself."""
+    texts = [yaml.safe_dump(entry, default_flow_style=None, sort_keys=False, width=1000) for entry in entries]
+    return f"{key}:\n" + "".join("  - " + "\n    ".join(text.splitlines()) + "\n" for text in texts)
 
 
 def shipped_plans() -> dict[str, Path]:

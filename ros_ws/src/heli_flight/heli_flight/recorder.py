@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from heli_common.flight_state import flight_state_from_code
 from heli_common.timing import CONTROL_PERIOD_NS
-from heli_common.topics import TOPICS, data_topics
+from heli_common.topics import DATA_TOPICS, TOPICS
 from heli_flight.bag import BagWriter
 
 ACKNOWLEDGE_NS = 100_000_000
@@ -25,7 +25,7 @@ class FlightRecorder:
         ended_at: stamp of the first flight state that ends the flight [ns], or None.
     """
 
-    def __init__(self, bag: BagWriter, topics: tuple[str, ...] = data_topics()) -> None:
+    def __init__(self, bag: BagWriter, topics: tuple[str, ...] = DATA_TOPICS) -> None:
         self.ended_at: int | None = None
         self._bag = bag
         self._held: list[tuple[int, str, bytes]] = []
