@@ -57,12 +57,20 @@ def parameters(node: Any) -> dict[str, Any]:
 
 
 def test_every_process_is_launched(launch_file: ModuleType) -> None:
-    nodes = launched(launch_file, bag="flights/one")
+    nodes = launched(launch_file, bag="flights/one", identification="true")
     assert [(n.package, n.executable) for n in nodes.values()] == [
         (p.package, p.executable) for p in PROCESSES
     ]
     assert {parameters(node)["running"] for node in nodes.values()} == {",".join(nodes)}
-    assert [name for name, node in nodes.items() if not node.on_exit] == ["recorder"]
+    assert [name for name, node in nodes.items() if not node.on_exit] == ["identification", "recorder"]
+
+
+def test_a_plan_that_excites_brings_the_identification_along(launch_file: ModuleType) -> None:
+    assert "identification" not in launched(launch_file, plan="short_hover")
+    nodes = launched(launch_file, plan="identification", mode="lockstep")
+    assert parameters(nodes["identification"])["excitations"].startswith('[{"signal": "prbs"')
+    assert "identification" in parameters(nodes["bench_sim"])["running"]
+    assert all(node.on_exit for node in nodes.values())
 
 
 def test_arguments_reach_their_nodes(launch_file: ModuleType) -> None:

@@ -16,6 +16,7 @@ from heli_common.vehicle_state import (
     odometry_values,
     pose_values,
     twist_from_values,
+    twist_values,
 )
 from heli_control.position_control import (
     PositionController,
@@ -190,3 +191,36 @@ def test_unknown_topic_and_flight_state_are_refused() -> None:
     controller.receive("reference", 0, pose_values(ZERO, Euler(0, 0, 0)))
     with pytest.raises(ValueError, match="flight state code 9"):
         controller.receive("flight_state", 0, flight_state_values(9.0))
+
+
+def excited(controller: PositionController, tick: int, *excitation: float) -> tuple[float, ...]:
+    """Forward, right, down velocity and yaw rate asked for with an excitation of the reference."""
+    stamp = tick * CONTROL_PERIOD_NS
+    twist = twist_values((excitation[0], excitation[1], excitation[2]), (0.0, 0.0, excitation[3]))
+    controller.receive("odometry", stamp, odometry(standing()))
+    controller.receive("reference", stamp, pose_values(ZERO, Euler(0.0, 0.0, 0.0)))
+    assert controller.receive("flight_state", stamp, stage(FlightState.FLYING)) == []
+    (message,) = controller.receive("reference_excitation", stamp, twist)
+    assert message.stamp_ns == stamp
+    linear, angular = twist_from_values(message.values)
+    return (*linear, angular[2])
+
+
+def test_an_excitation_is_added_to_the_reference_inside_its_limits() -> None:
+    controller = PositionController(PARAMETERS, excited=True)
+    assert excited(controller, 0, 0.1, -0.2, 0.05, 0.3) == pytest.approx((0.1, -0.2, 0.05, 0.3))
+    assert excited(controller, 1, 9.0, -9.0, 9.0, -9.0) == pytest.approx((0.8, -0.8, 0.5, -1.0))
+    assert "reference_excitation" not in PositionController(PARAMETERS).inputs
+
+
+def test_a_lost_identification_leaves_the_reference_as_it_is_and_the_stamps_right() -> None:
+    controller = PositionController(PARAMETERS, excited=True)
+    stamps = []
+    for tick in range(10):
+        stamp = tick * CONTROL_PERIOD_NS
+        controller.receive("odometry", stamp, odometry(standing()))
+        controller.receive("reference", stamp, pose_values(ZERO, Euler(0.0, 0.0, 0.0)))
+        for message in controller.receive("flight_state", stamp, stage(FlightState.FLYING)):
+            assert all(value == pytest.approx(0.0) for value in message.values)
+            stamps.append(message.stamp_ns // CONTROL_PERIOD_NS)
+    assert stamps == [0, 1, 2, 3, 5, 6, 7, 8, 9]

@@ -46,7 +46,12 @@ def flight_state_from_code(code: float) -> FlightState:
 
 
 def flight_state_values(
-    state: float, rotor_speed: float = 0.0, fan: float = 0.0, *, controller: int = 0
+    state: float,
+    rotor_speed: float = 0.0,
+    fan: float = 0.0,
+    *,
+    controller: int = 0,
+    excitation: int = 0,
 ) -> tuple[float, ...]:
     """Numbers of a `flight_state` message.
 
@@ -55,5 +60,7 @@ def flight_state_values(
         rotor_speed: reference of the rotor speed [rad/s], 0 for a rotor at rest.
         fan: speed asked of the wind generator [m/s].
         controller: which of the plan's controllers shall fly, 0 for the first.
+        excitation: number of the plan's excitation being flown, from 1; 0 for none.
     """
-    return (float(state), 0.0, 0.0, float(controller), 0.0, rotor_speed, fan, 0.0, 0.0, 0.0, 0.0, 0.0)
+    positions = (float(state), 0.0, 0.0, float(controller))
+    return (*positions, 0.0, rotor_speed, fan, 0.0, float(excitation), 0.0, 0.0, 0.0)

@@ -61,6 +61,37 @@ def test_a_join_forgets_what_can_no_longer_be_completed():
         join.add("c", 0, ())
 
 
+def test_an_optional_topic_is_waited_for_while_it_comes():
+    join = StampJoin(["a", "b"], ["c"])
+    assert join.add("a", 1, (1.0,)) is None
+    assert join.add("b", 1, (2.0,)) is None
+    assert join.add("c", 1, (3.0,)) == {"a": (1.0,), "b": (2.0,), "c": (3.0,)}
+    assert join.stamp_ns == 1
+
+
+def test_a_lost_optional_topic_costs_a_few_late_stamps_and_then_nothing():
+    join = StampJoin(["a", "b"], ["c"])
+    given_at = {}
+    for stamp in range(10):
+        join.add("a", stamp, (float(stamp),))
+        entry = join.add("b", stamp, (float(stamp),))
+        if entry is not None:
+            assert entry["a"] == (float(join.stamp_ns),)
+            given_at[stamp] = join.stamp_ns
+    assert given_at == {1: 0, 2: 1, 3: 2, 4: 3, **{stamp: stamp for stamp in range(5, 10)}}
+    assert join.dropped == 1
+
+
+def test_an_optional_topic_that_is_back_is_waited_for_again():
+    join = StampJoin(["a"], ["c"])
+    for stamp in range(10):
+        join.add("a", stamp, (0.0,))
+    assert join.add("c", 10, (1.0,)) is None
+    assert join.add("a", 10, (0.0,)) == {"a": (0.0,), "c": (1.0,)}
+    assert join.add("a", 11, (0.0,)) is None
+    assert join.add("c", 11, (1.0,)) == {"a": (0.0,), "c": (1.0,)}
+
+
 def test_parameters_are_checked_against_their_quantity():
     assert from_mapping(Spring, {"stiffness": 5}) == Spring(5.0)
     for bad in (-1.0, 101.0, float("nan"), "stiff", True, 10**400):

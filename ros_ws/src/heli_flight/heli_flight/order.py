@@ -14,6 +14,7 @@ from pathlib import Path
 from heli_control.controller_file import ControllerFile
 from heli_control.motor_controller_file import MotorControllerFile, load_motor_controller
 from heli_flight.plan import Plan
+from heli_flight.process_table import processes
 
 RECORDED_VERSIONS = ("heli_flight", "ros-jazzy-rclpy", "numpy", "scipy", "numba", "mcap", "rosbags")
 
@@ -46,6 +47,7 @@ class FlightOrder:
         motor_name: name of a shipped motor controller or path of its file, for its node.
         plant: hash of the plant that controllers must be for, empty for any.
         replaced: programs that take the place of nodes on the graph, by node name.
+        with_identification: whether the identification flies along though the plan excites nothing.
     """
 
     plan: Plan
@@ -63,6 +65,17 @@ class FlightOrder:
     motor_name: str = "motor"
     plant: str = ""
     replaced: Mapping[str, Path] = field(default_factory=dict)
+    with_identification: bool = False
+
+    @property
+    def identified(self) -> bool:
+        """Whether the identification flies along."""
+        return self.with_identification or bool(self.plan.excitations)
+
+    @property
+    def running(self) -> tuple[str, ...]:
+        """Names of the nodes of the flight."""
+        return tuple(process.name for process in processes(self.identified))
 
     def notes(self) -> dict[str, str]:
         """What the bag carries beside its messages."""

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from heli_common.flight_state import FlightState
-from heli_common.topics import TOPICS
+from heli_common.topics import DATA_TOPICS, OPTIONAL_NODES, TOPICS, data_topics
 from heli_flight.process_group import ProcessGroup
-from heli_flight.process_table import NODE_NAMES
+from heli_flight.process_table import NODE_NAMES, processes
 from heli_flight.progress import Progress, parse
 
 PATIENCE = 20.0
@@ -109,3 +109,12 @@ def test_other_lines_are_no_progress():
 def test_every_source_and_listener_of_the_topics_is_a_process():
     assert {topic.source for topic in TOPICS.values()} <= set(NODE_NAMES)
     assert {name for topic in TOPICS.values() for name in topic.listeners} <= set(NODE_NAMES)
+
+
+def test_the_identification_is_an_eighth_process():
+    without, all_of_them = processes(identified=False), processes(identified=True)
+    assert set(all_of_them) - set(without) == {p for p in all_of_them if p.name in OPTIONAL_NODES}
+    assert (len(without), len(all_of_them)) == (7, 8)
+    names = [p.name for p in without]
+    assert {TOPICS[topic].source for topic in data_topics(names)} == set(names) - {"recorder"}
+    assert data_topics(NODE_NAMES) == DATA_TOPICS

@@ -8,17 +8,36 @@ import pytest
 from heli_common.flight_state import FlightState
 from heli_common.rotations import Euler
 from heli_common.timing import CONTROL_PERIOD_NS
+from heli_common.topics import TOPICS
 from heli_common.vehicle_state import (
     UNKNOWN_VARIANCE,
     VehicleState,
     odometry_values,
     pose_from_values,
 )
-from heli_flight.plan import load_plan
+from heli_flight.plan import load_plan, parse_plan
 from heli_flight.stages import FlightLimits
 from heli_flight.supervisor import Supervisor
 
 DEPTH = FlightLimits().rest_depth
+EXCITATION = TOPICS["flight_state"].layout.fields.index("effort.flight_state")
+
+EXCITED = """\
+name: excited
+about: Two excitations, one right after the other.
+seed: 1
+controller: lq
+phases:
+  - home: {}
+  - run_up: {}
+  - take_off: {}
+  - hover: {duration: 1.0}
+  - excite: {signal: noise, channel: B_1s, amplitude_deg: 0.5, band_rad_s: [1, 12], duration: 4.0}
+  - excite: {signal: noise, channel: A_1s, amplitude_deg: 0.5, band_rad_s: [1, 12], duration: 3.0}
+  - hover: {duration: 1.0}
+  - land: {}
+  - run_down: {}
+"""
 
 
 class Obedient:
@@ -28,7 +47,7 @@ class Obedient:
         self.supervisor = supervisor
         self.tick = 0
         self.position, self.rotor, self.known, self.tilt = (0.0, 0.0, DEPTH), 0.0, False, 0.0
-        self.states, self.references, self.controllers = [], [], []
+        self.states, self.references, self.controllers, self.excitations = [], [], [], []
         self.variance = 1e-6
 
     def step(self):
@@ -44,6 +63,7 @@ class Obedient:
         self.states.append(FlightState(int(state.values[0])))
         self.rotor = state.values[5]
         self.controllers.append(state.values[3])
+        self.excitations.append(int(state.values[EXCITATION]))
         position, attitude = pose_from_values(reference.values)
         self.references.append((*position, attitude.psi))
         if self.states[-1].controlled:
@@ -173,3 +193,27 @@ def test_stop_is_always_accepted_and_acts_at_the_next_tick():
     assert flight.supervisor.command("stop") == (True, "stopping")
     assert flight.step() is FlightState.FAULT
     assert flight.supervisor.reason == "stop requested at 0.01 s"
+
+
+def test_flight_state_counts_the_excitations_of_the_plan():
+    flight = Obedient(Supervisor(FlightLimits(), parse_plan(EXCITED)))
+    assert flight.run() is FlightState.STOPPED
+    assert [flight.excitations.count(number) for number in (1, 2)] == [400, 300]
+    first = flight.excitations.index(1)
+    assert flight.excitations[first - 1 : first + 701] == [0, *[1] * 400, *[2] * 300, 0]
+    excited = {s for s, n in zip(flight.states, flight.excitations, strict=True) if n}
+    assert excited == {FlightState.FLYING}
+    here = flight.references[first - 1]
+    assert flight.references[first : first + 700] == [here] * 700
+
+
+@pytest.mark.parametrize("word", ["land", "stop"])
+def test_an_excitation_cut_short_is_over(word):
+    flight = Obedient(Supervisor(FlightLimits(), parse_plan(EXCITED)))
+    while not flight.excitations or flight.excitations[-1] != 1:
+        flight.step()
+    assert flight.supervisor.command(word)[0]
+    flight.step()
+    assert flight.excitations[-1] == 0
+    flight.run() if word == "land" else None
+    assert flight.excitations.count(2) == 0

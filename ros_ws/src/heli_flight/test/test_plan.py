@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from heli_bench_sim.faults import EncoderStuck, Fault, ImuBiasJump, LinkDelay
 from heli_common.errors import InputError
 from heli_flight.plan import (
+    Excite,
     Home,
     Hover,
     Land,
@@ -27,6 +28,7 @@ from heli_flight.plan import (
     shipped_plans,
     wind_command,
 )
+from heli_identification.excitation_words import excitations_from_text
 
 GOOD = """\
 name: test
@@ -334,3 +336,54 @@ def test_round_trip(
         assume("takes the reference" not in str(error))
         raise
     assert again == plan
+
+
+EXCITED = GOOD.replace(
+    "  - land:",
+    """\
+  - excite:
+      {signal: prbs, channels: [B_1s, A_1s], amplitude_deg: 0.7, band_rad_s: [0.5, 12], duration: 30, seed: 4}
+  - hover: {duration: 2.0}
+  - excite: {signal: steps, channel: u, amplitude_m_s: 0.1, hold: 2.0, duration: 10.0, wind_to_m_s: 2.0}
+  - land:""",
+)
+
+
+def test_excitations() -> None:
+    plan = parse_plan(EXCITED)
+    first, second = plan.excitations
+    assert first.channels == ("B_1s", "A_1s")
+    assert first.amplitude == radians(0.7)
+    assert (second.signal, second.hold, second.seed) == ("steps", 2.0, 1)
+    assert plan.duration == pytest.approx(parse_plan(GOOD).duration + 30.0 + 2.0 + 10.0)
+    assert parse_plan(plan.to_yaml()) == plan
+    assert excitations_from_text(plan.excitations_text) == plan.excitations
+    assert parse_plan(GOOD).excitations == ()
+    phase = plan.phases[-3]
+    assert isinstance(phase, Excite)
+    assert wind_command(phase, 5.0, 0.0) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "key", "words"),
+    [
+        ("signal: prbs", "signal: hum", "phases[6].excite.signal", "multisine"),
+        ("amplitude_deg: 0.7", "amplitude_deg: 7", "phases[6].excite.amplitude_deg", "0.001 .. 3 deg"),
+        ("wind_to_m_s: 2.0", "wind_to_m_s: 20", "phases[8].excite.wind_to_m_s", "0 .. 8 m/s"),
+        ("hold: 2.0, ", "", "phases[8].excite.hold", "0.01 .. 60 s"),
+        ("hold: 2.0", "hold: 2.0, loud: 1", "phases[8].excite.loud", "unknown key"),
+    ],
+)
+def test_a_mistake_in_an_excitation_is_named(before: str, after: str, key: str, words: str) -> None:
+    with pytest.raises(InputError) as caught:
+        parse_plan(EXCITED.replace(before, after), "p.yaml")
+    assert str(caught.value).startswith(f"p.yaml: {key}: ")
+    assert words in str(caught.value)
+
+
+def test_the_identification_flight_has_other_data_for_validation() -> None:
+    estimation, validation, *others = load_plan("identification").excitations
+    assert estimation.channels == validation.channels == ("B_1s", "A_1s")
+    assert estimation.duration == validation.duration == 60.0
+    assert estimation.seed != validation.seed
+    assert {channel for other in others for channel in other.channels} == {"theta_0", "theta_t", "u", "v"}

@@ -12,6 +12,7 @@ from typing import Any
 
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, InputError
 from heli_common.model_file import ModelFile
+from heli_common.topics import IDENTIFICATION, OPTIONAL_NODES
 from heli_control.controller_file import load_controller
 from heli_control.motor_controller_file import load_motor_controller
 from heli_flight.cli.live import LiveProgress
@@ -71,6 +72,14 @@ def add_parser(words: Any) -> None:
     fly.add_argument(
         "--no-real-time-scheduling", action="store_true", help="do not ask for SCHED_FIFO in real time"
     )
+    fly.add_argument(
+        "--with",
+        dest="more",
+        action="append",
+        default=[],
+        choices=OPTIONAL_NODES,
+        help="an optional node that shall fly along though the plan does not ask for it",
+    )
     fly.add_argument("--json", action="store_true", help="print one JSON object instead of text")
     fly.set_defaults(func=run)
 
@@ -122,6 +131,7 @@ def _order(options: argparse.Namespace) -> FlightOrder:
         motor_name=_absolute(options.motor),
         plant=plant,
         replaced=_replaced(options.replace, options.mode),
+        with_identification=IDENTIFICATION in options.more,
     )
 
 
