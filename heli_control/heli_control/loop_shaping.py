@@ -33,6 +33,7 @@ class CoprimeFactors:
         S: I + D'D, shape (m, m). R: I + D D', shape (p, p).
         F: -S^-1 (D'C + B'X), shape (m, n). H: -(Z C' + B D') R^-1, shape (n, p).
         gamma_min: smallest gamma of eq. 3.36.
+        scales: the states as given are these times those of `plant`, shape (n,).
     """
 
     plant: Realisation
@@ -43,6 +44,7 @@ class CoprimeFactors:
     F: Array
     H: Array
     gamma_min: float
+    scales: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +100,7 @@ def coprime_factors(shaped: Realisation) -> CoprimeFactors:
     Raises:
         SynthesisRefused: a mode that does not decay is hidden from the input or the output (A1).
     """
-    plant, _ = balanced(shaped)
+    plant, scales = balanced(shaped)
     a, b, c, d = plant
     s, r = np.eye(d.shape[1]) + d.T @ d, np.eye(d.shape[0]) + d @ d.T
     inner = a - b @ np.linalg.solve(s, d.T @ c)
@@ -110,7 +112,7 @@ def coprime_factors(shaped: Realisation) -> CoprimeFactors:
     largest = float(np.linalg.eigvals(x @ z).real.max(initial=0.0))
     f = -np.asarray(np.linalg.solve(s, d.T @ c + b.T @ x), dtype=np.float64)
     h = -np.asarray(np.linalg.solve(r, c @ z + d @ b.T), dtype=np.float64).T
-    return CoprimeFactors(plant, x, z, s, r, f, h, math.sqrt(1.0 + max(largest, 0.0)))
+    return CoprimeFactors(plant, x, z, s, r, f, h, math.sqrt(1.0 + max(largest, 0.0)), scales)
 
 
 def loop_shaping(

@@ -17,7 +17,7 @@ from heli_control.certified import Synthesis, synthesise
 from heli_control.generalized_plant import GeneralizedPlant
 from heli_control.loop_shaping import CoprimeFactors, coprime_factors, with_identity
 from heli_control.pole_region import NYQUIST
-from heli_control.realisation import Array, Realisation, gain, series, unnamed
+from heli_control.realisation import Array, Realisation, gain, response, series, unnamed
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,17 +108,38 @@ def two_degree_loop_shaping(
     inner = unnamed(synthesis.controller)
     # the measurement of the problem is rho r
     scaled = Realisation(inner.A, inner.B @ _scale(rho, q, p), inner.C, inner.D @ _scale(rho, q, p))
-    prefilter = _steady_state(factors.plant, scaled, model, chosen)
-    pre = np.block([[prefilter, np.zeros((q, p))], [np.zeros((p, q)), np.eye(p)]])
-    return TwoDegreeLoopShaping(factors, synthesis, prefilter, series(before, series(scaled, gain(pre))))
+    wanted = response(model, np.zeros(1))[0].real
+    prefilter = steady_state_prefilter(factors.plant, scaled, wanted, chosen)
+    return TwoDegreeLoopShaping(
+        factors, synthesis, prefilter, series(before, with_prefilter(scaled, prefilter))
+    )
 
 
 def _scale(rho: float, q: int, p: int) -> Array:
     return np.diag([rho] * q + [1.0] * p)
 
 
-def _steady_state(plant: Realisation, controller: Realisation, model: Realisation, select: Array) -> Array:
-    """Gain on r with which the selected outputs come to rest at T_yr(0) r; identity where none does."""
+def with_prefilter(controller: Realisation, prefilter: Array) -> Realisation:
+    """u = K (N r, y) from u = K (r, y)."""
+    q, whole = len(prefilter), np.eye(controller.D.shape[1])
+    whole[:q, :q] = prefilter
+    return series(controller, gain(whole))
+
+
+def steady_state_prefilter(
+    plant: Realisation, controller: Realisation, wanted: Array, select: Array
+) -> Array:
+    """Gain N on r with which the selected outputs come to rest at `wanted` r; identity where none does.
+
+    Args:
+        plant: n states, m inputs, p outputs.
+        controller: u = K (r, y), q references.
+        wanted: shape (q, q).
+        select: shape (q, p).
+
+    Returns:
+        shape (q, q).
+    """
     q, (p, m) = len(select), plant.D.shape
     # all that is at rest: 0 = A x + B u, 0 = A_K x_K + B_K (r, y), with y and u from their output equations
     a = np.block(
@@ -136,5 +157,4 @@ def _steady_state(plant: Realisation, controller: Realisation, model: Realisatio
     at_rest = select @ np.linalg.solve(a, drive)[-m - p :][m:] if a.size else np.zeros((q, q))
     if np.linalg.cond(at_rest) > 1e8:
         return np.eye(q)
-    wanted = model.D - model.C @ np.linalg.solve(model.A, model.B) if model.order else model.D
     return np.asarray(np.linalg.solve(at_rest, wanted), dtype=np.float64)

@@ -25,19 +25,11 @@ from heli_common.errors import InputError
 from heli_common.linear_model import StateSpace
 from heli_common.timing import CONTROL_PERIOD
 from heli_control.controller_file import ControllerAxis
+from heli_control.flight_plants import REFERENCES, SCALES
 from heli_control.state_space import delayed_zero_order_hold
 
 Array = NDArray[np.float64]
 Poles = NDArray[np.complex128]
-
-REFERENCES = {"u": "u_ref", "v": "v_ref", "w": "w_ref", "r": "r_ref"}
-"""States whose deviation is taken from a reference."""
-
-SCALES = {
-    "theta": 0.2, "phi": 0.2, "u": 0.2, "v": 0.2, "w": 0.2, "q": 1.0, "p": 1.0, "r": 1.0,
-    "B_1s": 0.02, "A_1s": 0.02, "theta_0": 0.02, "theta_t": 0.25,
-}  # fmt: skip
-"""Source Table 2.4: rad, m/s, rad/s; commands rad."""
 
 
 @dataclass(frozen=True, eq=False)
