@@ -22,13 +22,12 @@ from heli_common.quantities import quantity
 from heli_common.rig_geometry import ENCODER_NAMES, QUANTISATION_VARIANCE, RigGeometry
 from heli_common.rotations import Euler, Matrix3, Vector3, matrix_from_euler, rotate, transpose
 from heli_common.timing import CONTROL_PERIOD, SENSOR_PERIOD, SENSOR_PERIOD_NS, is_control_tick
-from heli_common.vehicle_state import UNKNOWN_VARIANCE, VehicleState, odometry_values, swap_earth
+from heli_common.vehicle_state import NOWHERE, UNKNOWN_VARIANCE, VehicleState, odometry_values, swap_earth
 from heli_navigation.arm_kinematics import arm_jacobian, position_from_arms, position_variance
 from heli_navigation.differentiator import Differentiator, LowPass
 
 _FIRST_EFFORT = 2 * len(ENCODER_NAMES)
 _ROTOR_SPEED = topics.TOPICS["rotor"].layout.fields.index("velocity.rotor")
-_NOWHERE = VehicleState((0.0, 0.0, 0.0), Euler(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False)
 _UNKNOWN = (UNKNOWN_VARIANCE,) * 6
 
 
@@ -80,7 +79,7 @@ class DifferentiatingNavigator:
         self._rotor = LowPass(parameters.rotor_bandwidth, CONTROL_PERIOD)
         self._join = StampJoin(self.inputs)
         self._last_good_ns: int | None = None
-        self._state = _NOWHERE
+        self._state = NOWHERE
         self._angles: Vector3 = (0.0, 0.0, 0.0)
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
@@ -111,7 +110,7 @@ class DifferentiatingNavigator:
         if min(values[_FIRST_EFFORT:]) < 0.5:
             for differentiator in self._filters:
                 differentiator.reset()
-            self._state, self._last_good_ns = _NOWHERE, None
+            self._state, self._last_good_ns = NOWHERE, None
             return
         angles = (values[0], values[1], values[2])
         attitude = Euler(values[3], values[4], values[5])

@@ -10,6 +10,7 @@ of its angles.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from enum import IntEnum
 
@@ -17,15 +18,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heli_common.compiled import compiled
+from heli_common.compiled_messages import write_odometry
+from heli_common.vehicle_state import swap_body
 from heli_navigation.corrections import locate
-from heli_navigation.filter_memory import SIZE, Estimate, Memory, Work
+from heli_navigation.filter_memory import ENCODERS, SIZE, Estimate, Memory, Work
 from heli_navigation.filter_parameters import FilterConstants
 from heli_navigation.strapdown import lean
 
 Array = NDArray[np.float64]
 
 _P, _V, _E = int(Estimate.position), int(Estimate.velocity), int(Estimate.angle)
-_G = int(Estimate.gyro_bias)
+_G, _F = int(Estimate.gyro_bias), int(Estimate.force_bias)
+_KEPT = int(Memory.kept_bias)
 _BODY, _RATES, _LEAN, _RATE = int(Work.body), int(Work.rates), int(Work.lean), int(Work.rate)
 _PLACE, _SPEED = int(Work.place), int(Work.speed)
 
@@ -52,6 +56,18 @@ class Output(IntEnum):
 
 
 _POSE, _TWIST = int(Output.pose), int(Output.twist)
+
+
+class BiasMessage(IntEnum):
+    """Where each part of the message on the IMU begins: gyros x, y, z, then accelerometers, body FLU."""
+
+    bias = 0
+    """[rad/s], [m/s^2]"""
+    noise = 6
+    """measured densities [rad/s/sqrt(Hz)], [m/s^2/sqrt(Hz)]"""
+    deviation = 12
+    """of the biases [rad/s], [m/s^2]"""
+    end = 18
 
 
 @compiled
@@ -85,7 +101,7 @@ def read_covariance(
         memory: of the filter, in the parts of `Memory`.
         box: constants of the filter, boxed.
         work: scratch in the order of `Work`.
-        rows: (180,) scratch.
+        rows: (90,) scratch.
         out: (84,) in the parts of `Output`; the covariances are written.
     """
     c = box[0]
@@ -101,6 +117,59 @@ def read_covariance(
     out[t + 14] += c.shake_twice
     if memory[Memory.coasting] == 0.0:
         _gyro_noise(c.gyro_density / c.period, c, out)
+
+
+@compiled
+def read_odometry(
+    memory: Array, box: Sequence[FilterConstants], work: Array, rows: Array, out: Array, values: Array
+) -> None:
+    """All of that as the numbers of an Odometry in ENU/FLU.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`.
+        box: constants of the filter, boxed.
+        work: scratch in the order of `Work`.
+        rows: (90,) scratch.
+        out: (84,) in the parts of `Output`, written.
+        values: (85,) in the order of the layout, written.
+    """
+    read_motion(memory, box, work, out)
+    read_covariance(memory, box, work, rows, out)
+    write_odometry(out, values)
+
+
+@compiled
+def read_biases(memory: Array, box: Sequence[FilterConstants], values: Array) -> None:
+    """Biases of the IMU and how well they are known; without IMU the gyros' are those from before, and walk.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`.
+        box: constants of the filter, boxed.
+        values: (18,) in the parts of `BiasMessage`; the noise is left as it is.
+    """
+    coasting = memory[Memory.coasting] > 0.0
+    g = _KEPT if coasting else _G
+    values[0], values[1], values[2] = swap_body((memory[g], memory[g + 1], memory[g + 2]))
+    values[3], values[4], values[5] = swap_body((memory[_F], memory[_F + 1], memory[_F + 2]))
+    for axis in range(6):
+        variance = memory[Memory.covariance + (SIZE + 1) * (_G + axis)]
+        if coasting and axis < 3:
+            variance = memory[Memory.kept_variance + axis] + box[0].gyro_walk * memory[Memory.coasted]
+        values[BiasMessage.deviation + axis] = math.sqrt(variance)
+
+
+@compiled
+def read_alarms(memory: Array) -> int:
+    """One number for all that people must be told, 0 for nothing; it changes whenever that does.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`.
+    """
+    jumps = memory[Memory.jumps] + memory[Memory.jumps + 1] + memory[Memory.jumps + 2]
+    alarms = 2 * int(jumps) + (1 if memory[Memory.coasting] > 0.0 else 0)
+    for encoder in range(ENCODERS):
+        alarms = 2 * alarms + (1 if memory[Memory.lost + encoder] > 0.0 else 0)
+    return alarms
 
 
 @compiled

@@ -17,18 +17,28 @@ from heli_common.finite import require_finite
 from heli_common.records import boxed, packed
 from heli_common.rig_geometry import ENCODER_NAMES, RigGeometry
 from heli_common.rotations import Euler, Vector3
-from heli_common.vehicle_state import VehicleState
+from heli_common.topics import TOPICS
+from heli_common.vehicle_state import NOWHERE, VehicleState, swap_body
 from heli_navigation.beginning import FirstRest, first_memory
-from heli_navigation.filter_memory import SIZE, Estimate, Memory, Work, blank_memory
-from heli_navigation.filter_outputs import TWIST, Output, read_covariance, read_motion
+from heli_navigation.filter_memory import SIZE, Memory, Work, blank_memory
+from heli_navigation.filter_outputs import (
+    TWIST,
+    BiasMessage,
+    Output,
+    read_alarms,
+    read_biases,
+    read_covariance,
+    read_motion,
+    read_odometry,
+)
 from heli_navigation.filter_parameters import FilterConstants, FilterParameters, filter_constants
 from heli_navigation.inertial_filter import filter_step
 
 Array = NDArray[np.float64]
 
-_NOWHERE = VehicleState((0.0, 0.0, 0.0), Euler(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False)
 _NAN = (math.nan, math.nan, math.nan)
 _NONE = (0.0, 0.0, 0.0)
+_ODOMETRY = len(TOPICS["odometry"].layout.fields)
 _COUNTERS = (
     (Memory.refused, Memory.innovation),
     (Memory.jumps, Memory.silent),
@@ -149,7 +159,7 @@ class InertialNavigation:
     def state(self) -> VehicleState:
         """Position, attitude, velocity and rates at the centre of gravity, of the latest sample."""
         if not self._known:
-            return _NOWHERE
+            return NOWHERE
         read_motion(self._memory, self._box, self._work, self._out)
         x, y, z, psi, theta, phi, u, v, w, p, q, r = self._out[: Output.pose].tolist()
         return VehicleState((x, y, z), Euler(psi, theta, phi), (u, v, w), (p, q, r))
@@ -166,26 +176,35 @@ class InertialNavigation:
         return pose.reshape(TWIST, TWIST).copy(), twist.reshape(TWIST, TWIST).copy()
 
     @property
+    def odometry(self) -> Array:
+        """(85,) numbers of an Odometry in ENU/FLU; only while `known`."""
+        values = np.empty(_ODOMETRY)
+        read_odometry(self._memory, self._box, self._work, self._rows, self._out, values)
+        return values
+
+    @property
+    def biases(self) -> Array:
+        """(18,) what is known of the IMU's biases, in the parts of `BiasMessage`; the noise is zero."""
+        values = np.zeros(BiasMessage.end)
+        read_biases(self._memory, self._box, values)
+        return values
+
+    @property
     def gyro_bias(self) -> Vector3:
         """Estimated biases of the gyros, body FRD [rad/s]; without IMU those from before."""
-        if self._memory[Memory.coasting] > 0.0:
-            return self._three(Memory.kept_bias)
-        return self._three(Memory.estimate + Estimate.gyro_bias)
+        x, y, z = self.biases[:3].tolist()
+        return swap_body((x, y, z))
 
     @property
     def accelerometer_bias(self) -> Vector3:
         """Estimated biases of the accelerometers, body FRD [m/s^2]."""
-        return self._three(Memory.estimate + Estimate.force_bias)
+        x, y, z = self.biases[3:6].tolist()
+        return swap_body((x, y, z))
 
     @property
     def bias_deviations(self) -> tuple[float, ...]:
         """(6,) standard deviations of the biases, gyros [rad/s] first [m/s^2]."""
-        variances = self.covariance.diagonal().copy()
-        if self._memory[Memory.coasting] > 0.0:
-            kept = self._memory[Memory.kept_variance : Memory.jumps]
-            walked = self._constants.gyro_walk * self._memory[Memory.coasted]
-            variances[Estimate.gyro_bias : Estimate.force_bias] = kept + walked
-        return tuple(np.sqrt(variances[Estimate.gyro_bias :]).tolist())
+        return tuple(self.biases[BiasMessage.deviation :].tolist())
 
     @property
     def covariance(self) -> Array:
@@ -196,6 +215,11 @@ class InertialNavigation:
     def innovations(self) -> tuple[float, ...]:
         """(6,) innovations of the latest line of each encoder, in their deviations."""
         return tuple(self._memory[Memory.innovation : Memory.unchanged].tolist())
+
+    @property
+    def alarms(self) -> tuple[bool, int, int]:
+        """Changes whenever that part of `health` does which people must be told."""
+        return self._known, self._restarts, read_alarms(self._memory)
 
     @property
     def health(self) -> Health:
@@ -247,10 +271,6 @@ class InertialNavigation:
         for start, end in _COUNTERS:  # what has happened stays known
             memory[start:end] = self._memory[start:end]
         self._memory, self._known = memory, True
-
-    def _three(self, first: int) -> Vector3:
-        a, b, c = self._memory[first : first + 3].tolist()
-        return (a, b, c)
 
 
 def _vector(values: Sequence[float]) -> Vector3:

@@ -19,14 +19,13 @@ from heli_common.rig_geometry import ENCODER_NAMES, RigGeometry
 from heli_common.rotations import Vector3
 from heli_common.timing import CONTROL_PERIOD, SENSOR_PERIOD_NS, is_control_tick
 from heli_common.vehicle_state import (
+    NOWHERE,
     UNKNOWN_VARIANCE,
-    imu_attitude_values,
     imu_from_values,
     odometry_values,
-    odometry_with_covariance,
-    swap_body,
 )
 from heli_navigation.differentiator import LowPass
+from heli_navigation.filter_outputs import BiasMessage
 from heli_navigation.filter_parameters import FilterParameters
 from heli_navigation.imu_attitude import ImuAttitude
 from heli_navigation.imu_attitude_parameters import ImuAttitudeParameters
@@ -44,7 +43,7 @@ LONGEST_SKIP = 400
 
 _FIRST_EFFORT = 2 * len(ENCODER_NAMES)
 _ROTOR_SPEED = topics.TOPICS["rotor"].layout.fields.index("velocity.rotor")
-_UNKNOWN = (UNKNOWN_VARIANCE,) * 6
+_NOWHERE = odometry_values(NOWHERE, (UNKNOWN_VARIANCE,) * 6, (UNKNOWN_VARIANCE,) * 6)
 _NOTHING: Vector3 = (0.0, 0.0, 0.0)
 
 
@@ -90,12 +89,12 @@ class Navigator:
         self._by_imu = ImuAttitude(attitude_parameters)
         self._monitor = ImuMonitor(attitude_parameters)
         self._noise: tuple[float, ...] = (0.0,) * 6
-        self._gyro: Vector3 = _NOTHING
         self._rotor = LowPass(parameters.rotor_bandwidth, CONTROL_PERIOD)
         self._encoders: deque[tuple[int, Sequence[float]]] = deque()
         self._imu: dict[int, Sequence[float]] = {}
         self._imu_silent = False
         self._last_ns: int | None = None
+        self._alarms = self._filter.alarms
         self._complaints = ""
 
     @property
@@ -163,41 +162,24 @@ class Navigator:
             self._monitor.step(values[3:6], gyro, accelerometer, valid)
             if not known:
                 self._by_imu.align(*self._filter.state.attitude)
-        self._gyro = gyro if valid else self._by_imu.bias
 
     def _outputs(self, stamp_ns: int) -> list[Message]:
-        odometry = self._odometry()
-        sent = [Message("odometry_imu", stamp_ns, odometry)]
-        if is_control_tick(stamp_ns):
+        odometry = self._filter.odometry if self._filter.known else _NOWHERE
+        if not is_control_tick(stamp_ns):
+            return [Message("odometry_imu", stamp_ns, odometry)]
+        if self._filter.alarms != self._alarms:
+            self._alarms = self._filter.alarms
             self._complaints = _complaints(self._filter.health)
-            if stamp_ns % NOISE_PERIOD_NS == 0:
-                self._noise = self._monitor.figures().noise
-            sent += [
-                Message("odometry", stamp_ns, odometry),
-                Message("imu_attitude", stamp_ns, self._imu_attitude()),
-                Message("imu_bias", stamp_ns, self._imu_bias()),
-            ]
-        return sent
-
-    def _odometry(self) -> tuple[float, ...]:
-        state = self._filter.state
-        if not state.known:
-            return odometry_values(state, _UNKNOWN, _UNKNOWN)
-        return odometry_with_covariance(state, *self._filter.covariances)
-
-    def _imu_attitude(self) -> tuple[float, ...]:
-        """The attitude by the IMU alone, with the rates less its own bias."""
-        by_imu = self._by_imu
-        sigma, bias = by_imu.sigma, by_imu.bias
-        psi, theta, phi = (deviation * deviation for deviation in sigma[:3])
-        rates = (self._gyro[0] - bias[0], self._gyro[1] - bias[1], self._gyro[2] - bias[2])
-        return imu_attitude_values(by_imu.attitude, (phi, theta, psi), rates, sigma[3] * sigma[3])
-
-    def _imu_bias(self) -> tuple[float, ...]:
-        """FLU: biases as position, measured noise densities as velocity, the biases' deviations as effort."""
-        filter_ = self._filter
-        estimated = (*swap_body(filter_.gyro_bias), *swap_body(filter_.accelerometer_bias))
-        return (*estimated, *self._noise, *filter_.bias_deviations)
+        if stamp_ns % NOISE_PERIOD_NS == 0:
+            self._noise = self._monitor.figures().noise
+        biases = self._filter.biases
+        biases[BiasMessage.noise : BiasMessage.deviation] = self._noise
+        return [
+            Message("odometry_imu", stamp_ns, odometry),
+            Message("odometry", stamp_ns, odometry),
+            Message("imu_attitude", stamp_ns, self._by_imu.message),
+            Message("imu_bias", stamp_ns, biases),
+        ]
 
 
 def _complaints(health: Health) -> str:

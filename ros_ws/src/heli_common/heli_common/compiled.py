@@ -55,6 +55,7 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numba  # noqa: E402  (the cache folder must be known first)
+from numba.extending import register_jitable  # noqa: E402
 
 _jit = partial(numba.njit, cache=True, fastmath=False, error_model="numpy")
 
@@ -67,3 +68,8 @@ def compiled(function: Function) -> Function:
 def equation(function: Function) -> Function:
     """The same for a small equation: it becomes part of whatever calls it, to share common terms."""
     return cast(Function, _jit(forceinline=True)(function))
+
+
+def callable_too(function: Function) -> Function:
+    """Let compiled code call a plain function, which stays as it is for everybody else."""
+    return cast(Function, register_jitable(fastmath=False, error_model="numpy")(function))

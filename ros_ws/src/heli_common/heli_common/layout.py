@@ -78,8 +78,12 @@ class Layout:
                 runs.append((offset, index, 1))
         plan = tuple((offset, struct.Struct(f"<{n}d"), first, first + n) for offset, first, n in runs)
         object.__setattr__(self, "_runs", plan)
-        stamp = struct.Struct("<iI")
-        object.__setattr__(self, "_stamp", stamp)
+        object.__setattr__(self, "_stamp", struct.Struct("<iI"))
+        whole, end = f"<{self.stamp_offset}xiI", self.stamp_offset + 8
+        for offset, _, n in runs:
+            whole += f"{offset - end}x{n}d"
+            end = offset + 8 * n
+        object.__setattr__(self, "_whole", struct.Struct(f"{whole}{len(self.template) - end}x"))
 
     @property
     def size(self) -> int:
@@ -96,14 +100,18 @@ class Layout:
         Raises:
             ValueError: the number of values does not fit the layout.
         """
-        numbers = values.tolist() if isinstance(values, np.ndarray) else values
-        if len(numbers) != len(self.fields):
-            raise ValueError(f"{self.ros_type}: {len(numbers)} values for {len(self.fields)} fields")
+        if len(values) != len(self.fields):
+            raise ValueError(f"{self.ros_type}: {len(values)} values for {len(self.fields)} fields")
         buffer = bytearray(self.template)
         seconds, nanoseconds = divmod(stamp_ns, _NANOSECONDS)
         self._stamp.pack_into(buffer, self.stamp_offset, seconds, nanoseconds)  # type: ignore[attr-defined]
-        for offset, packer, first, last in self._runs:  # type: ignore[attr-defined]
-            packer.pack_into(buffer, offset, *numbers[first:last])
+        if isinstance(values, np.ndarray):
+            numbers = np.asarray(values, dtype="<f8").tobytes()
+            for offset, packer, first, last in self._runs:  # type: ignore[attr-defined]
+                buffer[offset : offset + packer.size] = numbers[8 * first : 8 * last]
+        else:
+            for offset, packer, first, last in self._runs:  # type: ignore[attr-defined]
+                packer.pack_into(buffer, offset, *values[first:last])
         return bytes(buffer)
 
     def unpack(self, data: bytes) -> tuple[int, tuple[float, ...]]:
@@ -114,11 +122,8 @@ class Layout:
         """
         if len(data) != len(self.template):
             raise ValueError(f"{self.ros_type}: {len(data)} bytes instead of {len(self.template)}")
-        seconds, nanoseconds = self._stamp.unpack_from(data, self.stamp_offset)  # type: ignore[attr-defined]
-        values: tuple[float, ...] = ()
-        for offset, packer, _, _ in self._runs:  # type: ignore[attr-defined]
-            values += packer.unpack_from(data, offset)
-        return seconds * _NANOSECONDS + nanoseconds, values
+        found = self._whole.unpack(data)  # type: ignore[attr-defined]
+        return found[0] * _NANOSECONDS + found[1], found[2:]
 
     def stamp(self, data: bytes) -> int:
         """The stamp alone [ns] of a serialized message.

@@ -1,7 +1,7 @@
 """Rotations between earth and body: Euler angles yaw-pitch-roll, matrices, quaternions (source app. A).
 
 A quaternion is (x, y, z, w), of the rotation that takes body coordinates to earth coordinates. Scalar code
-on plain floats: these run once a message.
+on plain floats, which compiled code may call as well (`heli_common.compiled_messages`).
 """
 
 from __future__ import annotations
@@ -123,7 +123,7 @@ def normalized(quaternion: Quaternion) -> Quaternion:
 def canonical(quaternion: Quaternion) -> Quaternion:
     """The one of q and -q whose scalar part is not negative."""
     if quaternion.w < 0.0:
-        return Quaternion(*(-part for part in quaternion))
+        return Quaternion(-quaternion.x, -quaternion.y, -quaternion.z, -quaternion.w)
     return quaternion
 
 

@@ -10,9 +10,6 @@ from collections.abc import Sequence
 from math import sqrt
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from heli_common.rotations import (
     Euler,
     Quaternion,
@@ -34,13 +31,6 @@ _NED_TO_ENU = Quaternion(_HALF, _HALF, 0.0, 0.0)
 _FLU_TO_FRD = Quaternion(1.0, 0.0, 0.0, 0.0)
 """Half a turn about the nose axis."""
 
-Covariance = NDArray[np.float64]
-
-_SWAPPED = np.array([1, 0, 2, 4, 3, 5])
-_ENU_PLACES = (6 * _SWAPPED[:, np.newaxis] + _SWAPPED).ravel()
-_ENU_SIGNS = np.outer([1, 1, -1] * 2, [1, 1, -1] * 2).ravel().astype(np.float64)
-_FLU_SIGNS = np.outer([1, -1, -1] * 2, [1, -1, -1] * 2).ravel().astype(np.float64)
-
 UNKNOWN_VARIANCE = 1e6
 """Variance of a pose that nobody knows yet, because the encoders are not indexed."""
 
@@ -61,6 +51,10 @@ class VehicleState(NamedTuple):
     velocity: Vector3
     rates: Vector3
     known: bool = True
+
+
+NOWHERE = VehicleState((0.0, 0.0, 0.0), Euler(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), False)
+"""What is known of the helicopter while nothing is."""
 
 
 def swap_earth(vector: Vector3) -> Vector3:
@@ -111,20 +105,6 @@ def odometry_values(
     pose = pose_values(state.position, state.attitude)
     twist = (*swap_body(state.velocity), *swap_body(state.rates))
     return (*pose, *_diagonal(pose_variance), *twist, *_diagonal(twist_variance))
-
-
-def odometry_with_covariance(state: VehicleState, pose: Covariance, twist: Covariance) -> tuple[float, ...]:
-    """Numbers of an Odometry (layout `odometry`) in ENU/FLU with full covariances.
-
-    Args:
-        state: in NED/FRD.
-        pose: (6, 6) covariance of position and rotations about the axes, NED [m, rad].
-        twist: (6, 6) covariance of velocity and rates, body FRD [m/s, rad/s].
-    """
-    enu = (pose.ravel()[_ENU_PLACES] * _ENU_SIGNS).tolist()
-    flu = (twist.ravel() * _FLU_SIGNS).tolist()
-    velocity, rates = swap_body(state.velocity), swap_body(state.rates)
-    return (*pose_values(state.position, state.attitude), *enu, *velocity, *rates, *flu)
 
 
 def state_from_odometry(values: Sequence[float]) -> VehicleState:
@@ -184,28 +164,6 @@ def imu_from_values(values: Sequence[float]) -> tuple[Vector3, Vector3, bool]:
     gyro = swap_body((values[13], values[14], values[15]))
     accelerometer = swap_body((values[25], values[26], values[27]))
     return gyro, accelerometer, values[16] >= 0.0
-
-
-def imu_attitude_values(
-    attitude: Euler, attitude_variances: Vector3, rates: Vector3, rate_variance: float
-) -> tuple[float, ...]:
-    """Numbers of an Imu (layout `imu`) in ENU/FLU with attitude and rates; acceleration marked unknown.
-
-    Args:
-        attitude: yaw, pitch, roll [rad].
-        attitude_variances: of rotations about north, east, down [rad^2].
-        rates: p, q, r, body FRD [rad/s].
-        rate_variance: of each of them [rad^2/s^2].
-    """
-    east, north, up = attitude_variances[1], attitude_variances[0], attitude_variances[2]
-    return (
-        *quaternion_enu(attitude),
-        *(east, 0.0, 0.0, 0.0, north, 0.0, 0.0, 0.0, up),
-        *swap_body(rates),
-        *(rate_variance, 0.0, 0.0, 0.0, rate_variance, 0.0, 0.0, 0.0, rate_variance),
-        *(0.0, 0.0, 0.0),
-        *(-1.0, *(0.0,) * 8),
-    )
 
 
 def wind_values(wind: Vector3) -> tuple[float, ...]:

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from heli_common.compiled_messages import write_imu_attitude
 from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.rotations import Euler
 from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
 from heli_common.topics import DATA_TOPICS, TOPICS
 from heli_common.vehicle_state import (
     VehicleState,
-    imu_attitude_values,
     imu_values,
     odometry_values,
     pose_values,
@@ -117,12 +117,14 @@ def messages(plan: Plan, wander: float = 0.012, seed: int = 0) -> Iterator[tuple
         command = (TRIM + np.array([theta, phi, -0.3 * w, 0.1 * r])) * flying[tick]
         omega = smooth[tick] * (1.0 + 0.002 * noise[tick, 3] * flying[tick])
         voltage = 9.0 * smooth[tick] / SPEED * (0.75 + 0.01 * noise[tick, 2])
+        by_imu = np.empty(len(TOPICS["imu_attitude"].layout.fields))
+        write_imu_attitude(attitude, (1e-6, 1e-6, 1e-4), (0.0, 0.0, r), 1e-6, by_imu)
         values = {
             "rotor": (0.0, omega, 0.0),
             "actuator_state": (*command.tolist(), 0.0, *(0.0,) * 9, voltage),
             "ground_truth": odometry_values(truth, [0.0] * 6, [0.0] * 6),
             "wind": (0.0, 0.0, 0.0),
-            "imu_attitude": imu_attitude_values(attitude, (1e-6, 1e-6, 1e-4), (0.0, 0.0, r), 1e-6),
+            "imu_attitude": by_imu,
             "imu_bias": (0.0,) * 12 + (1e-3,) * 6,
             "bench_condition": (0.0,) * len(TOPICS["bench_condition"].layout.fields),
             "odometry": odometry_values(estimate, [1e-6] * 6, [1e-4] * 6),

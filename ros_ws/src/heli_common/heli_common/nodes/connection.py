@@ -41,7 +41,7 @@ class Connection:
         running: tuple[str, ...],
         inputs: Iterable[str],
         outputs: Iterable[str],
-        on_message: Callable[[str, bytes], None],
+        on_message: Callable[[str, bytes], object],
     ) -> None:
         self.node, self.name, self.running = node, name, running
         self.is_open = False
@@ -50,17 +50,20 @@ class Connection:
         self._twin = False
         self._since = monotonic()
         self._announced = False
-        self._layouts = {topic: TOPICS[topic].layout for topic in outputs}
+        layouts = {topic: TOPICS[topic].layout for topic in outputs}
         self._publishers = {
             topic: node.create_publisher(message_class(layout.ros_type), topic, DATA)
-            for topic, layout in self._layouts.items()
+            for topic, layout in layouts.items()
+        }
+        self._ways_out = {
+            topic: (publisher.publish, layouts[topic].pack) for topic, publisher in self._publishers.items()
         }
         self._subscriptions = [self._subscribe(topic, on_message) for topic in inputs]
         self._diagnostics = node.create_publisher(DiagnosticArray, "diagnostics", DATA)
         self._ready = node.create_publisher(String, "ready", LATCHED)
         self._others = node.create_subscription(String, "ready", self._on_ready, READY)
 
-    def _subscribe(self, topic: str, on_message: Callable[[str, bytes], None]) -> object:
+    def _subscribe(self, topic: str, on_message: Callable[[str, bytes], object]) -> object:
         def deliver(data: bytes) -> None:
             if self.is_open:
                 on_message(topic, data)
@@ -119,7 +122,8 @@ class Connection:
     def publish(self, messages: Iterable[Message]) -> None:
         """Send messages of this node's output topics."""
         for topic, stamp_ns, values in messages:
-            self._publishers[topic].publish(self._layouts[topic].pack(stamp_ns, values))
+            publish, pack = self._ways_out[topic]
+            publish(pack(stamp_ns, values))
 
     def publish_serialized(self, topic: str, data: bytes) -> None:
         """Send a message that is serialized already."""

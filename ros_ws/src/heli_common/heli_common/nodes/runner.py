@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 from heli_common.nodes.signals import STOP
@@ -169,10 +170,7 @@ def _schedule(name: str, priority: int) -> None:
 
 def _run(node: Node, program: Program, running: tuple[str, ...], priority: int) -> int:
     guard = _Guard()
-
-    def on_message(topic: str, data: bytes) -> None:
-        guard.call(program.on_message, topic, data)
-
+    on_message = partial(guard.call, program.on_message)
     connection = Connection(node, program.name, running, program.inputs, program.outputs, on_message)
     executor = EventsExecutor()
     executor.add_node(node)
