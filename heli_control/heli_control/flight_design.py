@@ -21,7 +21,7 @@ from heli_control.flight_plants import flight_plant
 from heli_control.realisation import Array, unnamed
 from heli_control.reduction import Reduction, reduced_within
 from heli_control.schemes import AxisSynthesis, AxisWeights, synthesis
-from heli_control.weights_file import AXES, WeightsFile
+from heli_control.weights_file import WeightsFile
 
 REDUCTION_TOLERANCE = 1e-3
 """Error bound of the balanced reduction that is reported, as a share of the controller's norm."""
@@ -71,15 +71,12 @@ def design_flight_controller(model: ModelFile, weights: WeightsFile) -> FlightDe
     Raises:
         InputError: the model lacks a signal, or no controller can be certified; says why.
     """
-    axes = {axis: _axis(model, weights, axis) for axis in AXES}
+    axes = {axis: axis_design(model, weights, axis) for axis in weights.axes}
     provenance: dict[str, Any] = {
         "method": f"H-infinity {weights.kind}, certified; Tustin at 100 Hz",
-        "weights": {axis: weights.mapping()[axis] for axis in AXES},
-        **{axis: _provenance(axes[axis]) for axis in AXES},
-        "software": {
-            "python": platform.python_version(),
-            **{name: version(name) for name in ("heli_control", "numpy", "scipy", "control", "slycot")},
-        },
+        "weights": {axis: weights.mapping()[axis] for axis in weights.axes},
+        **{axis: provenance_of(design) for axis, design in axes.items()},
+        "software": software(),
     }
     file = ControllerFile(
         name=weights.kind,
@@ -94,8 +91,24 @@ def design_flight_controller(model: ModelFile, weights: WeightsFile) -> FlightDe
     return FlightDesign(model, weights, axes, file)
 
 
-def _axis(model: ModelFile, weights: WeightsFile, axis: str) -> AxisDesign:
-    chosen: AxisWeights = getattr(weights, axis)
+def software() -> dict[str, str]:
+    """Versions that a design depends on."""
+    names = ("heli_control", "numpy", "scipy", "control", "slycot")
+    return {"python": platform.python_version()} | {name: version(name) for name in names}
+
+
+def axis_design(model: ModelFile, weights: WeightsFile, axis: str) -> AxisDesign:
+    """One axis, from plant and weights to what flies.
+
+    Args:
+        model: with the signals of the axis.
+        weights: whose kind has this axis.
+        axis: one of `weights.axes`.
+
+    Raises:
+        InputError: as `design_flight_controller`.
+    """
+    chosen = weights.axes[axis]
     plant = flight_plant(model, axis, chosen.scales)
     try:
         made = synthesis(weights.kind, plant, chosen)
@@ -125,7 +138,8 @@ def _anti_windup(made: AxisSynthesis, sampled: StateSpace, weights: AxisWeights)
     return np.asarray(np.linalg.solve(pencil, CONTROL_PERIOD * into), dtype=np.float64)
 
 
-def _provenance(design: AxisDesign) -> dict[str, Any]:
+def provenance_of(design: AxisDesign) -> dict[str, Any]:
+    """What of a design goes into its file."""
     made = design.synthesis
     return {
         "gamma": made.gamma,

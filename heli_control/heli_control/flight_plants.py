@@ -1,8 +1,8 @@
-"""The plants that flight controllers are designed on: both axes of a model file, scaled (source sec. 2.4.3).
+"""The plants that controllers are designed on: the axes of a model file, scaled (source sec. 2.4.3).
 
 Every signal is divided by what counts as large for it, source Table 2.4, so that weights are of the order of
 one. Horizontal: B_1s A_1s to theta phi u v q p, with as many states as the model has. Vertical: theta_0
-theta_t to w r. References exist for u v and for w r.
+theta_t to w r. Drive: U_mot to Omega. References exist for u v, for w r and for Omega.
 """
 
 from __future__ import annotations
@@ -19,15 +19,17 @@ from heli_control.realisation import Array, Realisation
 
 SCALES = {
     "theta": 0.2, "phi": 0.2, "u": 0.2, "v": 0.2, "w": 0.2, "q": 1.0, "p": 1.0, "r": 1.0,
-    "B_1s": 0.02, "A_1s": 0.02, "theta_0": 0.02, "theta_t": 0.25,
+    "B_1s": 0.02, "A_1s": 0.02, "theta_0": 0.02, "theta_t": 0.25, "Omega": 5.0, "U_mot": 2.0,
 }  # fmt: skip
-"""Source Table 2.4: rad, m/s, rad/s; commands rad."""
+"""Source Table 2.4: rad, m/s, rad/s; commands rad and V."""
 
-REFERENCES = {"u": "u_ref", "v": "v_ref", "w": "w_ref", "r": "r_ref"}
+REFERENCES = {"u": "u_ref", "v": "v_ref", "w": "w_ref", "r": "r_ref", "Omega": "Omega_ref"}
 """Outputs whose deviation is taken from a reference, and its name."""
 
-OUTPUTS = {"horizontal": ("theta", "phi", "u", "v", "q", "p"), "vertical": ("w", "r")}
-INPUTS = {"horizontal": ("B_1s", "A_1s"), "vertical": ("theta_0", "theta_t")}
+FLIGHT_AXES = ("horizontal", "vertical")
+DRIVE = "drive"
+OUTPUTS = {"horizontal": ("theta", "phi", "u", "v", "q", "p"), "vertical": ("w", "r"), DRIVE: ("Omega",)}
+INPUTS = {"horizontal": ("B_1s", "A_1s"), "vertical": ("theta_0", "theta_t"), DRIVE: ("U_mot",)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,13 +105,17 @@ def flight_plant(model: ModelFile, axis: str, scales: Mapping[str, float] = SCAL
 
     Args:
         model: whose block of this axis has at least the outputs and inputs of `OUTPUTS` and `INPUTS`.
-        axis: `horizontal` or `vertical`.
+        axis: `horizontal`, `vertical` or `drive`; the last is cut out of the full model if need be.
         scales: of every output and input.
 
     Raises:
         InputError: the model lacks a signal.
     """
-    block: StateSpace = getattr(model, axis)
+    block: StateSpace | None = getattr(model, axis)
+    if block is None and model.full is not None:
+        block = model.full.part(("M_A", "Omega"), INPUTS[axis], OUTPUTS[axis])
+    if block is None:
+        raise InputError("is missing", allowed="a model with this block, or with `full`", key=axis)
     outputs, inputs = OUTPUTS[axis], INPUTS[axis]
     for wanted, known, key in ((outputs, block.outputs, "outputs"), (inputs, block.inputs, "inputs")):
         for name in wanted:

@@ -47,7 +47,7 @@ def sensitivity_peaks(loop: Response) -> tuple[float, float]:
     return _peak(sensitivity), _peak(np.matmul(loop, sensitivity))
 
 
-def crossovers(response: Response, omega: Array) -> list[float]:
+def crossovers(response: Response | Array, omega: Array) -> list[float]:
     """Frequencies at which the magnitude of a scalar response crosses 0 dB [rad/s], ascending.
 
     Args:

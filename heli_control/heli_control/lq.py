@@ -15,7 +15,7 @@ import numpy as np
 from heli_common.model_file import ModelFile
 from heli_common.quantities import quantity
 from heli_control.controller_file import ControllerFile
-from heli_control.lq_axis import controller_block, design_axis
+from heli_control.lq_axis import AxisDesign, controller_block, design_axis
 from heli_control.lq_figures import figures
 
 HORIZONTAL_STATES = ("theta", "phi", "u", "v", "q", "p")
@@ -28,8 +28,9 @@ VERTICAL_INPUTS = ("theta_0", "theta_t")
 class LqWeights:
     """Diagonals of Q and R on the scaled plant, and the delay designed for.
 
-    Q and rho are fitted so that the main gains of the continuous design on the linearised bench are those of
-    source Table 3.1; the source's own Q is not printed.
+    The source's own Q is not printed. That of the horizontal motion and rho are fitted so that the main
+    gains of the continuous design on the linearised bench are those of source Table 3.1, that of the
+    vertical motion so that w and r cross over at 3 and 12 rad/s.
     """
 
     theta: float = quantity(106.0, "-", "R", "weight of the pitch angle", 0.0, 1e6)
@@ -38,8 +39,8 @@ class LqWeights:
     v: float = quantity(0.80, "-", "R", "weight of the lateral velocity", 0.0, 1e6)
     q: float = quantity(6.68, "-", "R", "weight of the pitch rate", 0.0, 1e6)
     p: float = quantity(8.63, "-", "R", "weight of the roll rate", 0.0, 1e6)
-    w: float = quantity(0.281, "-", "R", "weight of the vertical velocity", 0.0, 1e6)
-    r: float = quantity(0.0904, "-", "R", "weight of the yaw rate", 0.0, 1e6)
+    w: float = quantity(0.24, "-", "R", "weight of the vertical velocity", 0.0, 1e6)
+    r: float = quantity(0.145, "-", "R", "weight of the yaw rate", 0.0, 1e6)
     effort: float = quantity(0.55, "-", "T", "weight of B_1s, theta_0 and theta_t (eq. 3.12)", 1e-6, 1e6)
     rho: float = quantity(0.523, "-", "R", "weight of A_1s against that of B_1s", 1e-3, 1e3)
     command_delay: float = quantity(
@@ -52,16 +53,8 @@ class LqWeights:
     )
 
 
-def design_lq(model: ModelFile, weights: LqWeights) -> ControllerFile:
-    """The LQ flight controller of a model.
-
-    Args:
-        model: with the states HORIZONTAL_STATES and VERTICAL_STATES at least; further stable states are
-            residualised.
-        weights: of the design.
-
-    Returns:
-        the discrete controller of both axes; `provenance` holds weights, gains, poles and loop figures.
+def axis_designs(model: ModelFile, weights: LqWeights) -> tuple[AxisDesign, AxisDesign]:
+    """Horizontal and vertical design of a model.
 
     Raises:
         InputError: the model lacks a signal, or the weights have no stabilising solution.
@@ -82,6 +75,24 @@ def design_lq(model: ModelFile, weights: LqWeights) -> ControllerFile:
         weights.effort * np.array([1.0, 1.0]),
         weights.command_delay,
     )
+    return horizontal, vertical
+
+
+def design_lq(model: ModelFile, weights: LqWeights) -> ControllerFile:
+    """The LQ flight controller of a model.
+
+    Args:
+        model: with the states HORIZONTAL_STATES and VERTICAL_STATES at least; further stable states are
+            residualised.
+        weights: of the design.
+
+    Returns:
+        the discrete controller of both axes; `provenance` holds weights, gains, poles and loop figures.
+
+    Raises:
+        InputError: the model lacks a signal, or the weights have no stabilising solution.
+    """
+    horizontal, vertical = axis_designs(model, weights)
     provenance = {
         "method": "discrete LQ with the command delay as states, reference on the velocity errors",
         "weights": asdict(weights),

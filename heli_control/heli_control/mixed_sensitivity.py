@@ -1,4 +1,4 @@
-"""Generalised plants of mixed sensitivity design: S/KS/T, GS/T with one and two degrees of freedom (sec. 3.3).
+"""Generalised plants of mixed sensitivity design: S/KS/T, GS/T with one and two degrees of freedom (3.3).
 
 G is the scaled plant from the command u to the measurements y, e = r - y the error the controller gets.
 

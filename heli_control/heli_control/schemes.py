@@ -2,6 +2,7 @@
 
 | kind | scheme | weights |
 |---|---|---|
+| motor | GS/T of the drive | as gst |
 | skst | S/KS/T (source Figure 3.14) | W_e W_y on outputs, W_u on commands |
 | gst | GS/T (Figure 3.15) | W_u W_v on commands, W_y W_d on outputs |
 | gst2 | GS/T, two degrees of freedom (Figure 3.16) | the same, W_e W_r on references |
@@ -21,7 +22,7 @@ from heli_common.linear_model import StateSpace
 from heli_common.quantities import Quantity
 from heli_control.assumptions import Assumption, check_assumptions
 from heli_control.certified import Attempt, SynthesisRefused, synthesise
-from heli_control.flight_plants import FlightPlant
+from heli_control.flight_plants import DRIVE, FLIGHT_AXES, FlightPlant
 from heli_control.generalized_plant import GeneralizedPlant, with_balanced_states
 from heli_control.loop_shaping import LoopShaping, four_blocks, loop_shaping
 from heli_control.loop_shaping_two_degree import (
@@ -50,17 +51,20 @@ class Scheme:
         weights: names, and the signals each has an entry for.
         settings: further numbers.
         two_degrees: whether the controller takes the references separately.
+        axes: it is made for.
     """
 
     weights: Mapping[str, str]
     settings: Mapping[str, Quantity]
     two_degrees: bool = False
+    axes: tuple[str, ...] = FLIGHT_AXES
 
 
 _GST = {"W_u": COMMANDS, "W_y": OUTPUTS, "W_v": COMMANDS, "W_d": OUTPUTS}
 _ANGLES = Quantity("-", "T", "factor on W_d of the angles: attitude against velocity (eq. 3.30)", 1e-3, 1.0)
 _COMMON = {"gamma_margin": _MARGIN, "fastest_pole": _FASTEST}
 SCHEMES = {
+    "motor": Scheme(_GST, _COMMON | {"attitude": _ANGLES}, axes=(DRIVE,)),
     "skst": Scheme({"W_e": OUTPUTS, "W_u": COMMANDS, "W_y": OUTPUTS}, _COMMON),
     "gst": Scheme(_GST, _COMMON | {"attitude": _ANGLES}),
     "gst2": Scheme(
@@ -174,7 +178,7 @@ def synthesis(kind: str, plant: FlightPlant, weights: AxisWeights) -> AxisSynthe
 
 
 def mixed_sensitivity_problem(kind: str, plant: FlightPlant, weights: AxisWeights) -> GeneralizedPlant:
-    """The generalised plant of `skst`, `gst` or `gst2`.
+    """The generalised plant of `skst`, `gst`, `gst2` or `motor`.
 
     Raises:
         ValueError: another kind.
@@ -185,11 +189,11 @@ def mixed_sensitivity_problem(kind: str, plant: FlightPlant, weights: AxisWeight
     factors = [weights.settings["attitude"] if name in ANGLES else 1.0 for name in plant.si.outputs]
     w_d = w("W_d")
     w_d = w_d._replace(C=np.array(factors)[:, None] * w_d.C, D=np.array(factors)[:, None] * w_d.D)
-    if kind == "gst":
+    if kind in ("gst", "motor"):
         return gs_t(g, w("W_u"), w("W_y"), w("W_v"), w_d)
     if kind == "gst2":
         return gs_t_two_degree(g, w("W_u"), w("W_y"), w("W_v"), w_d, w("W_e"), w("W_r"), plant.followed)
-    raise ValueError(f"kind {kind!r}; allowed: skst, gst, gst2")
+    raise ValueError(f"kind {kind!r}; allowed: skst, gst, gst2, motor")
 
 
 def _loop_shaping(plant: FlightPlant, weights: AxisWeights) -> AxisSynthesis:

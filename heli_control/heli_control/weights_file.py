@@ -1,8 +1,8 @@
 """The weights file: everything an H-infinity design is told, with the source's values as defaults.
 
-YAML, `format: heli_weights/1`, with `kind` and a block for each axis: `scales`, `settings` and the weights of
-the scheme (`schemes`), each a mapping from signal to weight (`weight`). A user's file holds what differs from
-the shipped one of its kind.
+YAML, `format: heli_weights/1`, with `kind` and a block for each axis of it: `scales`, `settings` and the
+weights of the scheme (`schemes`), each a mapping from signal to weight (`weight`). A user's file holds what
+differs from the shipped one of its kind.
 """
 
 from __future__ import annotations
@@ -23,27 +23,27 @@ from heli_control.schemes import OUTPUTS as ON_OUTPUTS
 from heli_control.weight import Weight, read_weight
 
 FORMAT = "heli_weights/1"
-AXES = ("horizontal", "vertical")
 
 _SCALE = Quantity("SI", "D", "what counts as large for a signal", 1e-6, 1e6)
 
 
 @dataclass(frozen=True)
 class WeightsFile:
-    """Weights of both axes.
+    """Weights of all axes of a design.
 
     Attributes:
         kind: of the design, a key of `SCHEMES`.
-        horizontal, vertical: weights.
+        axes: weights by the name of their axis.
     """
 
     kind: str
-    horizontal: AxisWeights
-    vertical: AxisWeights
+    axes: Mapping[str, AxisWeights]
 
     def mapping(self) -> dict[str, Any]:
         """Everything, as it stands in a file."""
-        return {"format": FORMAT, "kind": self.kind} | {axis: _mapping(getattr(self, axis)) for axis in AXES}
+        return {"format": FORMAT, "kind": self.kind} | {
+            axis: _mapping(weights) for axis, weights in self.axes.items()
+        }
 
 
 def default_weights(kind: str) -> WeightsFile:
@@ -75,8 +75,9 @@ def read_weights(kind: str, path: Path | None) -> WeightsFile:
 def _read(path: Path, kind: str, default: WeightsFile | None) -> WeightsFile:
     document = read_yaml(path)
     check_format(document, FORMAT, path)
-    required = ("format", "kind") if default else ("format", "kind", *AXES)
-    check_keys(document, required, AXES, path)
+    axes = SCHEMES[kind].axes
+    required = ("format", "kind") if default else ("format", "kind", *axes)
+    check_keys(document, required, axes, path)
     if document["kind"] != kind:
         raise InputError(f"{document['kind']!r} is another kind", allowed=kind, file=path, key="kind")
     made = {
@@ -84,12 +85,12 @@ def _read(path: Path, kind: str, default: WeightsFile | None) -> WeightsFile:
             read_mapping(document.get(axis, {}), path, axis),
             SCHEMES[kind],
             axis,
-            getattr(default, axis) if default else None,
+            default.axes[axis] if default else None,
             path,
         )
-        for axis in AXES
+        for axis in axes
     }
-    return WeightsFile(kind, **made)
+    return WeightsFile(kind, made)
 
 
 def _axis(
