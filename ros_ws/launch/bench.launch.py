@@ -21,7 +21,7 @@ ARGUMENTS = (
         "plan", default_value="", description="shipped plan or plan file; empty: wait for services"
     ),
     DeclareLaunchArgument(
-        "controller", default_value="lq", description="shipped controller or controller file"
+        "controller", default_value="lq", description="in place of the plan's first: shipped controller or file"
     ),
     DeclareLaunchArgument(
         "mode", default_value="realtime", choices=["realtime", "lockstep"], description="way of running"
@@ -45,7 +45,10 @@ def nodes(context: LaunchContext) -> list[Node]:
     own = {
         topics.BENCH_SIM: {"mode": given["mode"], "seed": int(given["seed"])},
         topics.SUPERVISOR: {"plan": given["plan"]},
-        topics.ATTITUDE_CONTROLLER: {"controller": given["controller"]},
+        topics.ATTITUDE_CONTROLLER: {
+            "controller": given["controller"],
+            "plan_controllers": ",".join((given["controller"], *plan.controllers[1:])) if plan else "",
+        },
         topics.IDENTIFICATION: {"excitations": plan.excitations_text if plan else ""},
         topics.RECORDER: {"bag": given["bag"]},
     }
