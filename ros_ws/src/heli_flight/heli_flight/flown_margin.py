@@ -155,8 +155,8 @@ class MarginFlight:
         seed: of every random number.
         watch: how long each trial is watched [s].
 
-    Raises:
-        SafetyStop: it does not reach hover.
+    Attributes:
+        over: whether a trial ended the flight: another one is needed for the next.
     """
 
     def __init__(
@@ -180,6 +180,7 @@ class MarginFlight:
         self._graph = InProcessGraph(self._bench, [self._leader, *parts], lambda *_: None)
         self._watch = round(watch * 1e9 / CONTROL_PERIOD_NS)
         self._next = len(phases) - len(trials)
+        self.over = False
 
     def trial(self, level_db: float) -> Trial:
         """Settle, multiply the commands, jump, watch, and fly on as before.
@@ -196,7 +197,7 @@ class MarginFlight:
             try:
                 self._sample()
             except SafetyStop:
-                largest = math.inf
+                largest, self.over = math.inf, True
             rates = self._bench.bench.rates
             window.append(sum(rates[index] ** 2 for index in WATCHED[self._axis]))
             if len(window) == _WINDOW:
@@ -206,11 +207,6 @@ class MarginFlight:
         self._attitude.replace(self._controller)
         self._next += 2
         return Trial(level_db, largest > LOST_RATE, largest)
-
-    @property
-    def over(self) -> bool:
-        """Whether a trial ended the flight: another one is needed for the next."""
-        return self._bench.ended_at is not None
 
     def _until_phase(self, phase: int) -> None:
         while self._leader.phase < phase:
