@@ -24,7 +24,7 @@ from heli_control.command_limits import CommandLimits
 from heli_control.controller_file import ControllerFile
 from heli_control.flight_law import FlightLaw
 from heli_control.law_exchange import LawExchange
-from heli_control.received import flight_state
+from heli_control.received import flight_state, planned_controller
 
 
 @dataclass(frozen=True)
@@ -60,22 +60,32 @@ class AttitudeController:
     Authority rises while the helicopter is controlled and its pose known, and falls otherwise; in a fault and
     after the flight it is zero at once. While the pose is not known the law keeps its last command.
 
+    Which controller flies, the plan says by number in `flight_state`; `replace` flies any other until the
+    plan changes its own.
+
     Args:
-        controller: the law to fly.
+        controller: the law to fly first, number 0 of the plan.
         parameters: engagement, idle command and limits.
+        later: further controllers of the plan, number 1 and so on.
 
     Attributes:
         authority: 0 idle .. 1 controlled.
+        exchanged: stamp [ns] of the last change of controller and name of the one that came; None before.
 
     Raises:
-        InputError: the operating point of the controller lies outside the limits.
+        InputError: the operating point of a controller lies outside the limits.
     """
 
     name = topics.ATTITUDE_CONTROLLER
     inputs: tuple[str, ...] = ("odometry", "velocity_reference", "flight_state")
     outputs: tuple[str, ...] = ("servo_command",)
 
-    def __init__(self, controller: ControllerFile, parameters: AttitudeParameters) -> None:
+    def __init__(
+        self,
+        controller: ControllerFile,
+        parameters: AttitudeParameters,
+        later: Sequence[ControllerFile] = (),
+    ) -> None:
         p = parameters
         self.authority = 0.0
         self._rise = CONTROL_PERIOD / p.engage_time
@@ -87,7 +97,11 @@ class AttitudeController:
             p.collective_neutral,
             p.shaft_limit / p.plate_lever,
         )
-        law = self._checked(controller)
+        self._plan = (controller, *later)
+        law, *_ = [self._checked(file) for file in self._plan]
+        self._planned = 0
+        self._next: FlightLaw | None = None
+        self.exchanged: tuple[int, str] | None = None
         self._laws = LawExchange(law, CONTROL_PERIOD / p.exchange_time, self._limits.within)
         self._asked = list(law.trim)
         self._join = StampJoin(self.inputs)
@@ -98,9 +112,7 @@ class AttitudeController:
         Raises:
             InputError: its operating point lies outside the limits; the old one goes on.
         """
-        self._laws.replace(self._checked(controller))
-        if self.authority == 0.0:
-            self._laws.reset()
+        self._next = self._checked(controller)
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
         """Take in one message; when all inputs of a stamp are there, the servo command.
@@ -114,6 +126,7 @@ class AttitudeController:
             return []
         state = state_from_odometry(ready["odometry"])
         stage, _ = flight_state(ready["flight_state"])
+        self._exchange(planned_controller(ready["flight_state"], len(self._plan)), stamp_ns)
         if stage.ended:
             self.authority = 0.0
         elif stage.controlled and state.known:
@@ -137,6 +150,19 @@ class AttitudeController:
         message = (*command, *(0.0,) * 8)
         require_finite("servo_command", message)
         return [Message("servo_command", stamp_ns, message)]
+
+    def _exchange(self, planned: int, stamp_ns: int) -> None:
+        """Begin to fly what was asked for since the last sample."""
+        if planned != self._planned:
+            self._planned = planned
+            self._next = self._checked(self._plan[planned])
+        if self._next is None:
+            return
+        self._laws.replace(self._next)
+        if self.authority == 0.0:
+            self._laws.reset()
+        self.exchanged = (stamp_ns, self._next.name)
+        self._next = None
 
     def _step(self, state: VehicleState, heading_velocity: Vector3, yaw_rate: float) -> list[float]:
         """The law's command within the limits; references come in heading axes."""

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +29,7 @@ from heli_common.model_file import (
 )
 from heli_common.timing import CONTROL_PERIOD
 from heli_common.topics import SERVO_CHANNELS
+from heli_control.shipped import find_controller, require_plant, shipped
 
 FORMAT = "heli_controller/2"
 AXES = ("horizontal", "vertical")
@@ -178,25 +178,24 @@ class ControllerFile:
 
 
 def shipped_controllers() -> dict[str, Path]:
-    """Names and files of the controllers that come with this package."""
-    folder = Path(str(resources.files("heli_control"))) / "controllers"
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+    """Names and files of the flight controllers that come with this package."""
+    return shipped(FORMAT)
 
 
-def load_controller(name_or_path: str) -> ControllerFile:
+def load_controller(name_or_path: str, plant: str = "") -> ControllerFile:
     """A controller by the name of a shipped one or by the path of its file; a file goes first.
 
+    Args:
+        name_or_path: of the controller.
+        plant: hash of the plant that it must be for; empty: any.
+
     Raises:
-        InputError: neither, or the file is not a controller file.
+        InputError: neither, the file is not a controller file, or it is for another plant.
     """
-    path = Path(name_or_path)
-    if path.is_file():
-        return ControllerFile.read(path)
-    shipped = shipped_controllers()
-    if name_or_path in shipped:
-        return ControllerFile.read(shipped[name_or_path])
-    allowed = "a file, or one of " + ", ".join(shipped)
-    raise InputError(f"{name_or_path!r} is no controller", allowed=allowed, key="controller")
+    path = find_controller(name_or_path, FORMAT)
+    controller = ControllerFile.read(path)
+    require_plant(path, controller.plant_name, controller.plant_hash, plant)
+    return controller
 
 
 def _read_axis(value: object, path: Path, key: str) -> ControllerAxis:

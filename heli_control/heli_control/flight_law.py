@@ -43,7 +43,7 @@ def settling_maps(axis: ControllerAxis) -> tuple[Array, Array]:
     drift = system.A - np.eye(n)
     _, sizes, right = np.linalg.svd(system.C)
     rank = int(np.count_nonzero(sizes > _RANK_TOLERANCE * max(sizes.max(), 1e-300)))
-    output: Array = np.linalg.pinv(system.C, rcond=_RANK_TOLERANCE)
+    output = np.asarray(np.linalg.pinv(system.C, rcond=_RANK_TOLERANCE), dtype=np.float64)
     free: Array = right[rank:].T  # what the output does not see, shape (n, n - rank)
     rest: Array = free @ np.linalg.pinv(drift @ free, rcond=_RANK_TOLERANCE)
     return output - rest @ drift @ output, -rest @ system.B

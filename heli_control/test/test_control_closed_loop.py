@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from heli_common.flight_state import FlightState
+from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.linear_model import StateSpace
 from heli_common.model_file import ModelFile
 from heli_common.rotations import Euler, Vector3, matrix_from_euler, rotate
@@ -105,7 +105,7 @@ def fly(
     for stamp in range(0, round(seconds * 1e9), SENSOR_PERIOD_NS):
         if is_control_tick(stamp):
             odometry = odometry_values(bench.measured(), (1e-6,) * 6, (1e-6,) * 6)
-            flight = (float(FlightState.FLYING), 0.0, 0.0, 163.0, 0.0, 0.0)
+            flight = flight_state_values(FlightState.FLYING, 163.0)
             position.receive("odometry", stamp, odometry)
             position.receive("reference", stamp, pose_values(target, Euler(psi, 0.0, 0.0)))
             (velocity,) = position.receive("flight_state", stamp, flight)

@@ -12,6 +12,8 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 from heli_common import topics
+from heli_common.errors import InputError
+from heli_flight.plan import load_plan
 from heli_flight.process_table import PROCESSES
 
 ARGUMENTS = (
@@ -19,7 +21,7 @@ ARGUMENTS = (
         "plan", default_value="", description="shipped plan or plan file; empty: wait for services"
     ),
     DeclareLaunchArgument(
-        "controller", default_value="lq", description="shipped controller or controller file"
+        "controller", default_value="lq", description="in place of the plan's first: shipped controller or file"
     ),
     DeclareLaunchArgument(
         "mode", default_value="realtime", choices=["realtime", "lockstep"], description="way of running"
@@ -35,7 +37,10 @@ def nodes(context: LaunchContext) -> list[Node]:
     own = {
         topics.BENCH_SIM: {"mode": given["mode"], "seed": int(given["seed"])},
         topics.SUPERVISOR: {"plan": given["plan"]},
-        topics.ATTITUDE_CONTROLLER: {"controller": given["controller"]},
+        topics.ATTITUDE_CONTROLLER: {
+            "controller": given["controller"],
+            "plan_controllers": plan_controllers(given["plan"], given["controller"]),
+        },
         topics.RECORDER: {"bag": given["bag"]},
     }
     processes = [process for process in PROCESSES if process.name != topics.RECORDER or given["bag"]]
@@ -52,6 +57,14 @@ def nodes(context: LaunchContext) -> list[Node]:
         )
         for process in processes
     ]
+
+
+def plan_controllers(plan: str, first: str) -> str:
+    """All controllers of a plan, its first replaced; what is wrong with the plan the supervisor says."""
+    try:
+        return ",".join((first, *load_plan(plan).controllers[1:])) if plan else ""
+    except InputError:
+        return ""
 
 
 def typed(parameters: dict[str, str | int]) -> dict[str, ParameterValue]:

@@ -9,18 +9,20 @@ from heli_common.nodes.runner import ComponentProgram, run_node  # first: it tak
 # isort: split
 from rclpy.node import Node
 
-from heli_common.nodes.parameters import declare_parameters
+from heli_common.nodes.parameters import declare_text
 from heli_common.topics import MOTOR_CONTROLLER
-from heli_control.motor_control import MotorController, MotorParameters
+from heli_control.motor_control import MotorController
+from heli_control.motor_controller_file import load_motor_controller
 
 
 def build(node: Node, _running: tuple[str, ...]) -> ComponentProgram:
-    """Declare parameters and build the controller.
+    """Declare parameters, read the controller file and build the controller.
 
     Raises:
-        InputError: a parameter is not allowed.
+        InputError: the controller file or a parameter is not allowed.
     """
-    return ComponentProgram(MotorController(declare_parameters(node, MotorParameters)))
+    name = declare_text(node, "controller", "motor", "shipped motor controller or path of its file")
+    return ComponentProgram(MotorController(load_motor_controller(name).parameters))
 
 
 def main() -> None:

@@ -94,7 +94,7 @@ _TABLE = (
     Topic("rotor_state", _joints("rotor"), CONTROL_PERIOD_NS, NAVIGATION, (SUPERVISOR, MOTOR_CONTROLLER)),
     Topic(
         "flight_state",
-        _joints("flight_state", "rotor", "fan"),
+        _joints("flight_state", "rotor", "fan", "controller"),
         CONTROL_PERIOD_NS,
         SUPERVISOR,
         (BENCH_SIM, MOTOR_CONTROLLER, POSITION_CONTROLLER, ATTITUDE_CONTROLLER),

@@ -6,7 +6,9 @@
 |---|---|
 | plan | the plan file as flown (YAML) |
 | seed, mode | of the random numbers; way of running |
-| controller, controller_file | name; the controller file as flown (YAML) |
+| controller, controller_file | names in the plan's order; their files as flown (YAML documents) |
+| controllers | name, SHA-256 of the file's text and plant hash of each, JSON list |
+| motor_file | the motor controller's file as flown (YAML) |
 | parameters, versions | JSON objects |
 | counts, losses | JSON objects, written by `BagWriter` itself |
 | late_TOPIC | how many commands of a topic came too late |

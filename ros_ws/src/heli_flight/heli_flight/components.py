@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from heli_bench_sim.bench import Bench
@@ -13,7 +14,8 @@ from heli_common.component import Component
 from heli_common.rig_geometry import RigGeometry
 from heli_control.attitude_control import AttitudeController, AttitudeParameters
 from heli_control.controller_file import ControllerFile
-from heli_control.motor_control import MotorController, MotorParameters
+from heli_control.motor_control import MotorController
+from heli_control.motor_controller_file import MotorControllerFile, load_motor_controller
 from heli_control.position_control import PositionController, PositionParameters
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import GUSTY, Plan
@@ -51,12 +53,24 @@ def navigator(values: NodeValues = DEFAULTS) -> Navigator:
     )
 
 
-def controllers(controller: ControllerFile, values: NodeValues = DEFAULTS) -> list[Component]:
-    """Navigation and the three controllers."""
+def controllers(
+    controller: ControllerFile,
+    values: NodeValues = DEFAULTS,
+    later: Sequence[ControllerFile] = (),
+    motor: MotorControllerFile | None = None,
+) -> list[Component]:
+    """Navigation and the three controllers.
+
+    Args:
+        controller: that flies first.
+        values: parameters of the nodes.
+        later: controllers that phases of the plan change to.
+        motor: of the motor; the shipped one without.
+    """
     attitude = values.build(topics.ATTITUDE_CONTROLLER, AttitudeParameters)
     return [
         navigator(values),
         PositionController(values.build(topics.POSITION_CONTROLLER, PositionParameters)),
-        AttitudeController(controller, attitude),
-        MotorController(values.build(topics.MOTOR_CONTROLLER, MotorParameters)),
+        AttitudeController(controller, attitude, later),
+        MotorController((motor or load_motor_controller("motor")).parameters),
     ]

@@ -61,18 +61,26 @@ def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:
     settings: dict[str, dict[str, str | int | float]] = {
         topics.BENCH_SIM: _bench_settings(order),
         topics.SUPERVISOR: {"plan": order.plan_name},
-        topics.ATTITUDE_CONTROLLER: {"controller": order.controller_name},
+        topics.MOTOR_CONTROLLER: {"controller": order.motor_name},
+        topics.ATTITUDE_CONTROLLER: _attitude_settings(order),
         topics.RECORDER: {"bag": str(order.bag), "notes": str(notes)},
     }
     scheduled = order.mode is Mode.REALTIME and order.real_time_scheduling
     priority = process.priority if scheduled else 0
     common: dict[str, str | int | float] = {"running": ",".join(NODE_NAMES), "real_time_priority": priority}
-    words = [sys.executable, "-m", process.module, "--ros-args"]
+    program = order.replaced.get(process.name)
+    words = [sys.executable, *(("-m", process.module) if program is None else (str(program),)), "--ros-args"]
     if order.parameters is not None:
         words += ["--params-file", str(order.parameters)]
     for key, value in (common | settings.get(process.name, {})).items():
         words += ["-p", f"{key}:={json.dumps(value)}"]
     return words
+
+
+def _attitude_settings(order: FlightOrder) -> dict[str, str | int | float]:
+    """Which controllers fly, and for which plant."""
+    names = ",".join((order.controller_name, *order.later_names))
+    return {"controller": order.controller_name, "plan_controllers": names, "plant": order.plant}
 
 
 def _bench_settings(order: FlightOrder) -> dict[str, str | int | float]:

@@ -39,7 +39,8 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
         if topic in recorded:
             bag.write(topic, stamp_ns, data)
 
-    graph = InProcessGraph(bench, [leader, *controllers(order.controller, values)], record)
+    flown = controllers(order.controller, values, order.later, order.motor)
+    graph = InProcessGraph(bench, [leader, *flown], record)
     code, reason = EXIT_FLOWN, ""
     try:
         while bench.ended_at is None:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import platform
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from heli_control.controller_file import ControllerFile
+from heli_control.motor_controller_file import MotorControllerFile, load_motor_controller
 from heli_flight.plan import Plan
 
 RECORDED_VERSIONS = ("heli_flight", "ros-jazzy-rclpy", "numpy", "scipy", "numba", "mcap", "rosbags")
@@ -37,6 +40,12 @@ class FlightOrder:
         bag: folder to record into.
         parameters: ROS 2 parameter file for the nodes, None for defaults.
         real_time_scheduling: whether a real-time flight asks for SCHED_FIFO.
+        later: controllers that phases of the plan change to, in its order.
+        later_names: their names or paths.
+        motor: the motor controller as read from its file; the shipped one without.
+        motor_name: name of a shipped motor controller or path of its file, for its node.
+        plant: hash of the plant that controllers must be for, empty for any.
+        replaced: programs that take the place of nodes on the graph, by node name.
     """
 
     plan: Plan
@@ -48,20 +57,35 @@ class FlightOrder:
     bag: Path
     parameters: Path | None = None
     real_time_scheduling: bool = True
+    later: tuple[ControllerFile, ...] = ()
+    later_names: tuple[str, ...] = ()
+    motor: MotorControllerFile | None = None
+    motor_name: str = "motor"
+    plant: str = ""
+    replaced: Mapping[str, Path] = field(default_factory=dict)
 
     def notes(self) -> dict[str, str]:
         """What the bag carries beside its messages."""
+        files = (self.controller, *self.later)
         return {
             "plan": self.plan.to_yaml(),
             "mode": self.mode.value,
             "seed": str(self.seed),
-            "controller": self.controller.name,
-            "controller_file": self.controller.to_yaml(),
+            "controller": ", ".join(file.name for file in files),
+            "controllers": json.dumps([_origin(file) for file in files]),
+            "controller_file": "---\n".join(file.to_yaml() for file in files),
+            "motor_file": (self.motor or load_motor_controller(self.motor_name)).to_yaml(),
             "parameters": self.parameters.read_text() if self.parameters else "defaults",
             "versions": json.dumps(
                 {name: _version(name) for name in RECORDED_VERSIONS} | {"python": platform.python_version()}
             ),
         }
+
+
+def _origin(controller: ControllerFile) -> dict[str, str]:
+    """Name of a controller, hash of its file's text, hash of the plant it was designed for."""
+    digest = hashlib.sha256(controller.to_yaml().encode()).hexdigest()
+    return {"name": controller.name, "sha256": digest, "plant_hash": controller.plant_hash}
 
 
 def _version(distribution: str) -> str:

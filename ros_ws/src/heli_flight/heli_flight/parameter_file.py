@@ -16,7 +16,6 @@ from heli_common.files import read_yaml
 from heli_common.quantities import PROVENANCE, about, from_mapping, groups_of
 from heli_common.rig_geometry import RigGeometry
 from heli_control.attitude_control import AttitudeParameters
-from heli_control.motor_control import MotorParameters
 from heli_control.position_control import PositionParameters
 from heli_flight.stages import FlightLimits
 from heli_navigation.filter_parameters import FilterParameters
@@ -39,7 +38,6 @@ NODE_PARAMETERS: dict[str, list[tuple[str, Any]]] = {
     topics.SUPERVISOR: [("", FlightLimits())],
     topics.POSITION_CONTROLLER: [("", PositionParameters())],
     topics.ATTITUDE_CONTROLLER: [("", AttitudeParameters())],
-    topics.MOTOR_CONTROLLER: [("", MotorParameters())],
 }
 """Prefix and parameter dataclasses of each node, as the node declares them."""
 

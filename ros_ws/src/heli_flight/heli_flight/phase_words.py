@@ -12,7 +12,7 @@ from typing import Any
 
 from heli_common.errors import InputError
 from heli_common.quantities import Quantity, about, check_number
-from heli_flight.plan_file import refuse_unknown
+from heli_flight.plan_file import refuse_unknown, text_at
 from heli_flight.plan_phases import (
     AXES,
     Home,
@@ -32,6 +32,7 @@ _SMALLEST = {"m": 0.02, "deg": 2.0}
 _NUMBERS_ONLY: dict[str, type[NumbersOnly]] = {
     kind.key: kind for kind in (Home, RunUp, TakeOff, Hover, Land, RunDown)
 }
+_CONTROLLER = "controller"
 _WIND_KEYS = {"wind": "wind_m_s", "wind_to": "wind_to_m_s"}
 
 
@@ -60,8 +61,8 @@ def read_phase(entry: object, file: str | None, place: str) -> Phase:
         return _read_step(settings, file, key)
     cls = _NUMBERS_ONLY[kind]
     quantities = _quantities(cls)
-    refuse_unknown(settings, quantities, file, key)
-    return cls(**_numbers(settings, quantities, file, key))
+    refuse_unknown(settings, (*quantities, _CONTROLLER), file, key)
+    return cls(**_numbers(settings, quantities, file, key), controller=_controller(settings, file, key))
 
 
 def phase_mapping(phase: Phase) -> dict[str, object]:
@@ -71,13 +72,15 @@ def phase_mapping(phase: Phase) -> dict[str, object]:
         phase: of any kind.
     """
     settings = dataclasses.asdict(phase)
+    controller = settings.pop(_CONTROLLER)
     wind = {key: settings.pop(name) for name, key in _WIND_KEYS.items() if name in settings}
     if isinstance(phase, Step) and phase.axis == "psi":
         exact = degrees(phase.amplitude)
         short = round(exact, 9)
         amplitude = short if radians(short) == phase.amplitude else exact
         settings = {"axis": "psi", "amplitude_deg": amplitude, "duration": phase.duration}
-    return {phase.key: settings | {key: speed for key, speed in wind.items() if speed is not None}}
+    settings |= {key: speed for key, speed in wind.items() if speed is not None}
+    return {phase.key: settings | ({_CONTROLLER: controller} if controller is not None else {})}
 
 
 def _quantities(cls: type[Phase]) -> dict[str, tuple[str, Quantity]]:
@@ -107,11 +110,24 @@ def _read_step(settings: Mapping[str, object], file: str | None, key: str) -> St
         raise InputError(f"{axis!r} is no axis", allowed=", ".join(AXES), file=file, key=f"{key}.axis")
     name, size = ("amplitude_deg", _AMPLITUDE_DEG) if axis == "psi" else ("amplitude", _AMPLITUDE)
     quantities = _quantities(Step)
-    refuse_unknown(settings, ("axis", name, *quantities), file, key)
+    refuse_unknown(settings, ("axis", name, *quantities, _CONTROLLER), file, key)
     amplitude = check_number(settings.get(name), size, file=file, key=f"{key}.{name}")
     smallest = _SMALLEST[size.unit]
     if abs(amplitude) < smallest:
         allowed = f"at least {smallest:g} {size.unit} in size"
         raise InputError(f"{amplitude!r} is too small", allowed=allowed, file=file, key=f"{key}.{name}")
     amplitude = radians(amplitude) if axis == "psi" else amplitude
-    return Step(str(axis), amplitude, **_numbers(settings, quantities, file, key))
+    numbers = _numbers(settings, quantities, file, key)
+    return Step(str(axis), amplitude, **numbers, controller=_controller(settings, file, key))
+
+
+def _controller(settings: Mapping[str, object], file: str | None, key: str) -> str | None:
+    """The controller named, if any."""
+    if _CONTROLLER not in settings:
+        return None
+    name = text_at(settings, _CONTROLLER, file, f"{key}.")
+    if "," in name:
+        raise InputError(
+            f"{name!r} holds a comma", allowed="a name or path without", file=file, key=f"{key}.controller"
+        )
+    return name

@@ -23,6 +23,9 @@ Every phase may carry `wind_m_s`, the speed asked of the fan from its start on, 
 changed and is 0 at first. A phase with a duration may carry `wind_to_m_s` too: the speed asked for goes there
 steadily while the phase lasts, as in `hover: {duration: 20.0, wind_m_s: 0.0, wind_to_m_s: 5.0}`.
 
+Every phase may carry `controller`, a shipped controller or a path: from its start on that one flies, until
+changed. The plan's own `controller` is the first.
+
 Axes are those of the thesis: x ahead (north), y right (east), z down, psi about z. Steps are relative to the
 reference before them. Heights are of the platform, above the centre of the flight space.
 """
@@ -89,7 +92,7 @@ class Plan:
         name: of the flight, part of file names.
         about: one sentence for people.
         seed: of all random numbers.
-        controller: name of a shipped controller, or a path.
+        controller: that flies first: name of a shipped controller, or a path.
         phases: in the order of flying.
         room: `still`, or `gusty` with recirculation of the rotor's air.
         faults: that the bench shall have, in the order of the file.
@@ -102,6 +105,12 @@ class Plan:
     phases: tuple[Phase, ...]
     room: str = STILL
     faults: tuple[Fault, ...] = ()
+
+    @property
+    def controllers(self) -> tuple[str, ...]:
+        """Names or paths of all controllers, in the order in which they are first named."""
+        named = (phase.controller for phase in self.phases if phase.controller is not None)
+        return tuple(dict.fromkeys((self.controller, *named)))
 
     @property
     def duration(self) -> float:

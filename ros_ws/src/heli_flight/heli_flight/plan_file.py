@@ -79,7 +79,7 @@ def refuse_unknown(
             raise InputError("unknown key", allowed=", ".join(names), file=file, key=where)
 
 
-def text_at(document: Mapping[str, object], key: str, file: str | None) -> str:
+def text_at(document: Mapping[str, object], key: str, file: str | None, place: str = "") -> str:
     """The text that must stand under a key.
 
     Raises:
@@ -87,7 +87,8 @@ def text_at(document: Mapping[str, object], key: str, file: str | None) -> str:
     """
     value = document.get(key)
     if not isinstance(value, str) or not value.strip():
-        raise InputError(f"{value!r} is no text", allowed="a text that is not empty", file=file, key=key)
+        allowed = "a text that is not empty"
+        raise InputError(f"{value!r} is no text", allowed=allowed, file=file, key=f"{place}{key}")
     return value
 
 

@@ -33,9 +33,10 @@ def _wind(text: str) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class _Windy:
-    """What every phase may say of the fan; it blows on as before where nothing is said."""
+    """What every phase may say of the fan and the controller; both go on as before where nothing is said."""
 
     key: ClassVar[str]
+    controller: str | None = None
     wind: float | None = _wind("speed asked of the fan from the start of the phase on")
 
 

@@ -13,6 +13,7 @@ from heli_common.component import Component
 from heli_common.errors import InputError
 from heli_common.topics import DATA_TOPICS, TOPICS
 from heli_control.controller_file import ControllerFile
+from heli_control.motor_controller_file import MotorControllerFile
 from heli_flight.bag_reader import Bag
 from heli_flight.components import DEFAULTS, controllers, navigator, supervisor
 from heli_flight.flight_hash import canonical_messages
@@ -98,9 +99,13 @@ def build(bag: Bag, node: str) -> Component:
 
 
 def _controller(bag: Bag, name: str, values: NodeValues) -> Component:
-    with _as_file(_remark(bag, "controller_file")) as path:
-        file = ControllerFile.read(path)
-    (found,) = (part for part in controllers(file, values) if part.name == name)
+    files = []
+    for text in _remark(bag, "controller_file").split("---\n"):
+        with _as_file(text) as path:
+            files.append(ControllerFile.read(path))
+    with _as_file(_remark(bag, "motor_file")) as path:
+        motor = MotorControllerFile.read(path)
+    (found,) = (part for part in controllers(files[0], values, files[1:], motor) if part.name == name)
     return found
 
 

@@ -33,6 +33,7 @@ _LABELS = {
     "seed": "seed",
     "mode": "way of running",
     "controller": "controller",
+    "controllers": "controllers' hashes",
     "result": "result",
 }
 

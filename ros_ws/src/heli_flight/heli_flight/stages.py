@@ -47,6 +47,7 @@ class Reference:
         heading: yaw reference [rad].
         rotor_speed: reference [rad/s], 0 for a rotor at rest.
         wind: speed asked of the wind generator [m/s].
+        controller: which of the plan's controllers shall fly, 0 for the first.
     """
 
     state: FlightState = FlightState.IDLE
@@ -54,6 +55,7 @@ class Reference:
     heading: float = 0.0
     rotor_speed: float = 0.0
     wind: float = 0.0
+    controller: int = 0
 
 
 @dataclass(frozen=True)

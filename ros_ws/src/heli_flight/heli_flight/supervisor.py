@@ -170,6 +170,8 @@ class Supervisor:
                     return
                 phase = self._queue.popleft()
                 self.phase += 1
+                if self.plan is not None and phase.controller is not None:
+                    self._reference.controller = self.plan.controllers.index(phase.controller)
                 self._stage = run_phase(phase, self._reference, self._see, self._limits)
             if next(self._stage, self) is not self:
                 return
@@ -183,6 +185,8 @@ class Supervisor:
 
     def _messages(self, stamp_ns: int) -> list[Message]:
         reference = self._reference
-        state = flight_state_values(reference.state, reference.rotor_speed, reference.wind)
+        state = flight_state_values(
+            reference.state, reference.rotor_speed, reference.wind, controller=reference.controller
+        )
         pose = pose_values(reference.position, Euler(reference.heading, 0.0, 0.0))
         return [Message("flight_state", stamp_ns, state), Message("reference", stamp_ns, pose)]

@@ -28,7 +28,7 @@ class Obedient:
         self.supervisor = supervisor
         self.tick = 0
         self.position, self.rotor, self.known, self.tilt = (0.0, 0.0, DEPTH), 0.0, False, 0.0
-        self.states, self.references = [], []
+        self.states, self.references, self.controllers = [], [], []
         self.variance = 1e-6
 
     def step(self):
@@ -42,7 +42,8 @@ class Obedient:
         )
         assert state.stamp_ns == reference.stamp_ns == stamp
         self.states.append(FlightState(int(state.values[0])))
-        self.rotor = state.values[4]
+        self.rotor = state.values[5]
+        self.controllers.append(state.values[3])
         position, attitude = pose_from_values(reference.values)
         self.references.append((*position, attitude.psi))
         if self.states[-1].controlled:

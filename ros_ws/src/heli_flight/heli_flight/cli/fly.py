@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, InputError
+from heli_common.model_file import ModelFile
 from heli_control.controller_file import load_controller
+from heli_control.motor_controller_file import load_motor_controller
 from heli_flight.cli.live import LiveProgress
 from heli_flight.flight_hash import bag_hash, count_check
 from heli_flight.flight_record import FlightRecord
@@ -21,6 +23,7 @@ from heli_flight.metrics import flight_metrics
 from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.parameter_file import read_parameters
 from heli_flight.plan import load_plan
+from heli_flight.process_table import NODE_NAMES
 from heli_flight.report import write_report
 
 WORDS = {
@@ -45,7 +48,20 @@ def add_parser(words: Any) -> None:
         "inprocess: without ROS",
     )
     fly.add_argument("--seed", type=int, help="seed of every random number (default: the plan's)")
-    fly.add_argument("--controller", help="shipped controller or controller file (default: the plan's)")
+    fly.add_argument(
+        "--controller", help="shipped controller or controller file in place of the plan's first one"
+    )
+    fly.add_argument("--motor", default="motor", help="shipped motor controller or its file (default: motor)")
+    fly.add_argument(
+        "--plant", type=Path, help="model file: refuse controllers that were designed for another plant"
+    )
+    fly.add_argument(
+        "--replace",
+        action="append",
+        default=[],
+        metavar="NODE=PROGRAM.py",
+        help="fly with a program of your own in place of a node (docs/templates/my_controller_node.py)",
+    )
     fly.add_argument(
         "--params-file", type=Path, help="ROS 2 parameter file for the nodes (heli parameters prints one)"
     )
@@ -81,7 +97,9 @@ def _order(options: argparse.Namespace) -> FlightOrder:
     if not 0 <= seed < 2**31:
         raise InputError(f"{seed}", allowed="0 .. 2147483647", key="--seed")
     plan = dataclasses.replace(plan, seed=seed)
-    controller_name = options.controller or plan.controller
+    names = (options.controller or plan.controller, *plan.controllers[1:])
+    plant = ModelFile.read(options.plant).plant_hash if options.plant else ""
+    first, *later = [load_controller(name, plant) for name in names]
     if options.params_file is not None:
         read_parameters(options.params_file)
     name = options.name or f"{plan.name}_{options.mode}_{datetime.now():%Y%m%d_%H%M%S}"
@@ -93,12 +111,34 @@ def _order(options: argparse.Namespace) -> FlightOrder:
         plan_name=_absolute(options.plan),
         mode=Mode(options.mode),
         seed=seed,
-        controller=load_controller(controller_name),
-        controller_name=_absolute(controller_name),
+        controller=first,
+        controller_name=_absolute(names[0]),
         bag=bag,
         parameters=options.params_file.absolute() if options.params_file else None,
         real_time_scheduling=not options.no_real_time_scheduling,
+        later=tuple(later),
+        later_names=tuple(_absolute(name) for name in names[1:]),
+        motor=load_motor_controller(options.motor),
+        motor_name=_absolute(options.motor),
+        plant=plant,
+        replaced=_replaced(options.replace, options.mode),
     )
+
+
+def _replaced(words: list[str], mode: str) -> dict[str, Path]:
+    """Programs by the name of the node whose place they take."""
+    if words and mode == Mode.INPROCESS.value:
+        allowed = "realtime, lockstep: a program of one's own is a process"
+        raise InputError(f"in mode {mode}", allowed=allowed, key="--replace")
+    programs = {}
+    for word in words:
+        name, _, path = word.partition("=")
+        if name not in NODE_NAMES:
+            raise InputError(f"{name!r} is no node", allowed=", ".join(NODE_NAMES), key="--replace")
+        if not Path(path).is_file():
+            raise InputError(f"{path!r} is no file", allowed="NODE=PROGRAM.py", key=f"--replace {name}")
+        programs[name] = Path(path).absolute()
+    return programs
 
 
 def _absolute(name_or_path: str) -> str:
@@ -126,7 +166,7 @@ def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] 
         "reason": end.reason,
         "mode": order.mode.value,
         "seed": order.seed,
-        "controller": order.controller.name,
+        "controller": order.notes()["controller"],
         "simulated_s": round(end.simulated_seconds, 3),
         "wall_s": round(end.wall_seconds, 3),
         "lost_messages": lost,
