@@ -145,7 +145,15 @@ class ControllerFile:
             InputError: missing or corrupt file, unknown or missing key, unknown or doubled signal, wrong
                 shape, not a finite number, wrong sample time; names file, key, value and what is allowed.
         """
-        document = read_yaml(path)
+        return cls.from_mapping(read_yaml(path), path)
+
+    @classmethod
+    def from_mapping(cls, document: Mapping[str, Any], path: Path) -> ControllerFile:
+        """The controller that a document holds, as `mapping` gives it; `path` is named in errors.
+
+        Raises:
+            InputError: as `read`.
+        """
         check_format(document, FORMAT, path)
         required = ("format", "name", "kind", "plant", "sample_time_s", "operating_point", "axes")
         check_keys(document, required, ("provenance",), path)

@@ -71,6 +71,24 @@ def discrete(system: Realisation, method: str, period: float = CONTROL_PERIOD) -
     return realisation(a, b, c, d)
 
 
+def discrete_anti_windup(a: Array, e: Array, method: str, period: float = CONTROL_PERIOD) -> Array:
+    """E of x+ = A_d x + B_d in + E_d (applied - asked) from x' = A x + B in + E (applied - asked).
+
+    The difference is known only after the output of its sample, so it acts on the next one, held until then.
+
+    Args:
+        a: of the continuous controller, shape (n, n).
+        e: shape (n, p).
+        method: that the controller is discretised by.
+        period: sample time [s].
+
+    Raises:
+        ValueError: as `discrete`.
+    """
+    n, p = e.shape
+    return discrete(Realisation(a, e, np.zeros((p, n)), np.zeros((p, p))), method, period).B
+
+
 def sampled_response(system: Realisation, omega: Array, period: float = CONTROL_PERIOD) -> Complex:
     """Transfer matrix of a difference equation on the unit circle, shape (k, p, m).
 

@@ -30,7 +30,7 @@ Response = NDArray[np.complex128]
 S_LIMIT_DB, T_LIMIT_DB = 6.0, 2.0
 """Largest |S| and |T| that spec 3.6 allows."""
 
-_SCALING_ROUNDS, _SCALING_STEPS, _SCALING_RANGE = 4, 30, 12.0
+_SCALING_ROUNDS, _SCALING_STEPS, _SCALING_RANGE = 3, 20, 8.0
 _AT_REST, _AT_NYQUIST = 0.03, 1e-9
 """An end of the frequencies counts as real when the imaginary part is below this share: at rest only nearly
 so, because zero itself is often a pole."""
@@ -135,6 +135,16 @@ def loop_margins(loop: Response, omega: Array, names: tuple[str, ...]) -> LoopMa
     )
 
 
+def loops(plant: Response, controller: Response) -> tuple[Response, Response]:
+    """L at the plant's input, shape (k, m, m), and at its output, (k, p, p), for negative feedback.
+
+    Args:
+        plant: G, shape (k, p, m).
+        controller: u = K y, the minus sign of the feedback included, shape (k, m, p).
+    """
+    return -np.matmul(controller, plant), -np.matmul(plant, controller)
+
+
 def channel_loops(loop: Response) -> Response:
     """Each channel's scalar loop with all others closed, shape (k, m), from L of shape (k, m, m)."""
     diagonal = np.diagonal(_sensitivity(loop), axis1=1, axis2=2)
@@ -148,6 +158,7 @@ def scalar_margins(loop: Response, omega: Array) -> ScalarMargins:
         loop: L for negative feedback, shape (k,).
         omega: ascending [rad/s], shape (k,).
     """
+    loop = np.where(loop == 0.0, np.finfo(float).tiny, loop)
     levels, met = _real_axis_levels(loop), _phases_at_crossover(loop, omega)
     return ScalarMargins(
         gain_up_db=min((-level for level in levels if level < 0.0), default=math.inf),
@@ -191,9 +202,13 @@ def disk_margin(loop: Response, omega: Array) -> DiskMargin:
         loop: L for negative feedback, shape (k, m, m).
         omega: [rad/s], shape (k,).
     """
-    alpha = disk_sizes(loop)
-    worst = int(np.argmin(alpha))
-    size = float(alpha[worst])
+    half = _sensitivity(loop) - 0.5 * np.eye(loop.shape[1])
+    # mu lies between spectral radius and norm: scale only where it may be the largest
+    surely = np.abs(np.linalg.eigvals(half)).max(axis=1)
+    near = np.flatnonzero(np.linalg.norm(half, 2, axis=(1, 2)) >= surely.max())
+    alpha = disk_sizes(loop[near])
+    worst = int(near[np.argmin(alpha)])
+    size = float(alpha.min())
     gain = math.inf if size >= 2.0 else 20.0 * math.log10((2.0 + size) / (2.0 - size))
     return DiskMargin(size, float(omega[worst]), gain, 2.0 * math.degrees(math.atan(0.5 * size)))
 

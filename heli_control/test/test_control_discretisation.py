@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from heli_control.discretisation import (
     discrete,
+    discrete_anti_windup,
     discretised,
     phase_losses,
     response_error,
@@ -77,6 +78,21 @@ def test_a_gain_stays_a_gain() -> None:
     assert made.system.states == ()
     np.testing.assert_array_equal(made.system.D, [[2.0, 3.0]])
     assert max(made.errors.values()) == 0.0
+
+
+@pytest.mark.parametrize("method", ["tustin", "hold"])
+def test_anti_windup_holds_a_limited_controller_where_the_continuous_one_stays(method: str) -> None:
+    # an integrator with gain 2 asks for more than its limit of 1; E leads it back: x' = 2 in + 5 (1 - x)
+    system = realisation([[0.0]], [[2.0]], [[1.0]], [[0.0]])
+    sampled, e = discrete(system, method), discrete_anti_windup(system.A, np.array([[5.0]]), method)
+    assert e[0, 0] == pytest.approx(5.0 * T)
+    x = 0.0
+    for _ in range(2000):
+        asked = sampled.C[0, 0] * x + sampled.D[0, 0]
+        x = sampled.A[0, 0] * x + sampled.B[0, 0] + e[0, 0] * (min(asked, 1.0) - asked)
+    assert asked == pytest.approx(1.0 + 2.0 / 5.0, rel=1e-9)
+    nothing = discrete_anti_windup(np.zeros((0, 0)), np.zeros((0, 2)), method)
+    assert nothing.shape == (0, 2)
 
 
 def test_phase_lost() -> None:

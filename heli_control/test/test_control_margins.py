@@ -14,6 +14,7 @@ from heli_control.margins import (
     disk_sizes,
     eigenvalue_loci,
     loop_margins,
+    loops,
     scalar_margins,
 )
 from heli_control.realisation import Realisation, diagonal, first_order, realisation, response, series
@@ -175,3 +176,24 @@ def test_loci_are_continuous_where_eigenvalues_cross() -> None:
 def test_bad_shapes_are_refused() -> None:
     with pytest.raises(ValueError, match="loop of shape"):
         loop_margins(np.zeros((3, 2, 2), dtype=complex), OMEGA, ("a", "b"))
+
+
+def test_loops_at_input_and_output_have_the_same_uniform_margins() -> None:
+    rng = np.random.default_rng(8)
+    plant = realisation(
+        rng.standard_normal((4, 4)) - 3.0 * np.eye(4),
+        rng.standard_normal((4, 1)),
+        np.eye(4)[:3],
+        np.zeros((3, 1)),
+    )
+    controller = -rng.uniform(0.5, 3.0, (1, 3)) * np.ones((300, 1, 1))
+    omega = OMEGA[::10]
+    at_input, at_output = loops(response(plant, omega), controller)
+    one = loop_margins(at_input, omega, ("u",)).uniform
+    three = loop_margins(at_output, omega, ("a", "b", "c")).uniform
+    assert three.phase_deg == pytest.approx(one.phase_deg, abs=0.1)
+    assert three.crossovers == pytest.approx(one.crossovers, rel=1e-3)
+    # a channel that is not fed back at all has no margin to lose
+    nothing = scalar_margins(np.zeros(len(OMEGA), dtype=complex), OMEGA)
+    assert math.isinf(nothing.gain_up_db)
+    assert nothing.crossovers == ()

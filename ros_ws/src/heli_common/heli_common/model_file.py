@@ -63,15 +63,18 @@ class ModelFile:
         blocks = {key: getattr(self, key) for key in REQUIRED_BLOCKS + OPTIONAL_BLOCKS}
         return {key: block.mapping() for key, block in blocks.items() if block is not None}
 
+    def mapping(self) -> dict[str, Any]:
+        """Everything, as it stands in a file: plain numbers, texts, lists and mappings."""
+        head = {"format": FORMAT, "name": self.name, "source": dict(self.source)}
+        return head | {"operating_point": asdict(self.operating_point)} | self._blocks()
+
     def write(self, path: Path) -> None:
         """Write the file; floats are printed so that reading gives the same bits.
 
         Raises:
             ValueError: `source` holds something that YAML cannot.
         """
-        head = {"format": FORMAT, "name": self.name, "source": dict(self.source)}
-        document = head | {"operating_point": asdict(self.operating_point)} | self._blocks()
-        write_atomically(path, yaml_text(document))
+        write_atomically(path, yaml_text(self.mapping()))
 
     @classmethod
     def read(cls, path: Path) -> ModelFile:
@@ -81,7 +84,15 @@ class ModelFile:
             InputError: missing or corrupt file, unknown or missing key, wrong shape, not a finite number;
                 names file, key, value and what is allowed.
         """
-        document = read_yaml(path)
+        return cls.from_mapping(read_yaml(path), path)
+
+    @classmethod
+    def from_mapping(cls, document: Mapping[str, Any], path: Path) -> ModelFile:
+        """The model that a document holds, as `mapping` gives it; `path` is named in errors.
+
+        Raises:
+            InputError: as `read`.
+        """
         check_format(document, FORMAT, path)
         required = ("format", "name", "source", "operating_point", *REQUIRED_BLOCKS)
         check_keys(document, required, OPTIONAL_BLOCKS, path)
