@@ -71,6 +71,7 @@ class Parametrisation:
         common: number of unknowns all records share.
         local: number of those each record has for itself.
         dense: number of common unknowns that act through whole matrices.
+        n: number of states of the predictor.
         scales: shape (common + local,).
     """
 
@@ -82,7 +83,8 @@ class Parametrisation:
         self.free = structure.index(structure.free_names)
         self.disturbed = disturbed_states(structure)
         self.shifted = self.seen if offsets else self.seen[:0]
-        n, p = len(structure.states), len(structure.outputs)
+        self.n = n = len(structure.states)
+        p = len(structure.outputs)
         state_scales = np.array([SCALES.get(name, 1.0) for name in structure.states])
         output_scales = state_scales[self.seen]
         scales = [structure.scales[self.free]]
@@ -146,14 +148,13 @@ class Parametrisation:
 
     def predictor(self, point: Point, local: Array) -> tuple[Predictor, Array]:
         """The predictor of one record and its initial state, shape (n,)."""
-        n = len(self.structure.states)
-        drift = point.sampled.N[:, self.shifted] @ local[n:]
+        drift = point.sampled.N[:, self.shifted] @ local[self.n :]
         predictor = Predictor(point.sampled.A, point.sampled.B, point.K, drift, self.seen)
-        return predictor, local[:n].copy()
+        return predictor, local[: self.n].copy()
 
     def sensitivity(self, point: Point, local: Array) -> Sensitivity:
         """Derivatives with respect to common and local unknowns, not scaled."""
-        sampled, n, p = point.sampled, len(self.structure.states), len(self.seen)
+        sampled, n, p = point.sampled, self.n, len(self.seen)
         m, free, total = sampled.B.shape[1], len(self.free), self.common + self.local
         dense = np.zeros((n, n + m + p + 1, self.dense))
         dense[:, :n, :free] = sampled.dA[self.free].transpose(1, 2, 0)

@@ -145,9 +145,30 @@ def prediction_error(
         InputError: no records, signals that are not the structure's, nothing free, or no usable predictor at
             the start values.
     """
-    how = search or Search()
     _check(structure, records)
     parametrisation = Parametrisation(structure, noise, records[0].period, hold, offsets=offsets)
+    return estimate(parametrisation, records, weighting=weighting, search=search)
+
+
+def estimate(
+    parametrisation: Parametrisation,
+    records: Sequence[Record],
+    *,
+    weighting: Array | None = None,
+    search: Search | None = None,
+) -> Estimate:
+    """The same for any parametrisation, records being its inputs and outputs.
+
+    Args:
+        parametrisation: of the predictor.
+        records: data.
+        weighting: covariance of the residuals, shape (p, p), instead of the noise model's or their own.
+        search: how the minimum is looked for.
+
+    Raises:
+        InputError: no usable predictor at the start values.
+    """
+    how, structure = search or Search(), parametrisation.structure
     criterion = Criterion(parametrisation, records, weighting)
     vector = start_vector(criterion)
     steps: list[Step] = []
@@ -254,12 +275,8 @@ def _estimate(
         K=p.point(common).K,
         weighting=evaluation.weighting,
         residuals=evaluation.residuals,
-        starts=tuple(
-            criterion.local(vector, i)[: len(structure.states)] for i in range(len(criterion.records))
-        ),
-        offsets=tuple(
-            criterion.local(vector, i)[len(structure.states) :] for i in range(len(criterion.records))
-        ),
+        starts=tuple(criterion.local(vector, i)[: p.n] for i in range(len(criterion.records))),
+        offsets=tuple(criterion.local(vector, i)[p.n :] for i in range(len(criterion.records))),
         converged=converged,
         steps=steps,
         weak=weaknesses(names, claimed, structure.scales[p.free]),

@@ -20,11 +20,12 @@ def start_vector(criterion: Criterion) -> Array:
     vector = np.zeros(criterion.size)
     structure, free = p.structure, len(p.free)
     vector[:free] = structure.values[p.free] / criterion.scales[:free]
-    measurement, process = _noise_guess(criterion)
     if p.noise is Noise.KALMAN:
+        measurement, process = _noise_guess(criterion)
         vector[free : free + len(process)] = np.log(process)
         vector[free + len(process) : p.common] = np.log(measurement)
     elif p.noise is Noise.FREE_GAIN:
+        measurement, process = _noise_guess(criterion)
         kalman = Parametrisation(structure, Noise.KALMAN, p.period, p.hold)
         common = np.concatenate((structure.values[p.free], np.log(process), np.log(measurement)))
         vector[free : p.common] = kalman.point(common).K.ravel() / criterion.scales[free : p.common]
