@@ -1,7 +1,7 @@
 """Projection method: the part of the input that the external signal caused, then output error (source 2.5.1).
 
 1. u is regressed on past and future samples of the external signal r: a non-causal FIR estimate of the input
-   sensitivity, u_hat(k) = sum over j = -M .. M of s_j r(k - j).
+   sensitivity, u_hat(k) = sum over j = -M .. M of s_j r(k - j), far lags sharing coefficients.
 2. y is explained by u_hat alone in an output-error model. What feedback put into u is left out, so noise in
    the loop does not bias the estimate whatever its colour (U. Forssell, L. Ljung, 2000); it does spread it.
 
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,17 @@ from heli_identification.structures import Structure
 
 Array = NDArray[np.float64]
 
-REACH = 1.5
-"""Length of the filter to either side [s]: the loop has forgotten by then."""
+BEHIND = 6.0
+"""How far the filter reaches into the past [s]: the loop has forgotten by then."""
+AHEAD = 0.2
+"""How far it reaches into the future [s]."""
+SINGLE = 16
+"""Lags with a coefficient of their own; farther ones share theirs with neighbours."""
+GROWTH = 1.12
+"""Growth of the groups of far lags: the tail is smooth, and every coefficient lets noise through."""
+
+CORRELATION_TIME = 4.0
+"""The residuals hold the motion of the whole loop in noise, which is slow [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,12 +52,12 @@ class Projected:
     share: Array
 
 
-def project(record: Record, reach: float = REACH) -> Projected:
+def project(record: Record, behind: float = BEHIND) -> Projected:
     """Step 1.
 
     Args:
         record: with an external signal.
-        reach: of the filter to either side [s].
+        behind: reach of the filter into the past [s].
 
     Raises:
         InputError: no external signal, it is constant, or too few samples for the filter.
@@ -56,20 +66,41 @@ def project(record: Record, reach: float = REACH) -> Projected:
         problem = "no external signal within the input"
         raise InputError(problem, allowed="a flight with an excitation on the command", key=record.name)
     used = record.r[:, np.ptp(record.r, axis=0) > 0.0]
-    taps = round(reach / record.period)
-    rows = len(record) - 2 * taps
-    unknown = used.shape[1] * (2 * taps + 1) + 1
-    if rows < 2 * unknown:
+    past, future = round(behind / record.period), round(AHEAD / record.period)
+    edges = lag_groups(past, future)
+    rows, unknown = len(record) - past - future, used.shape[1] * (len(edges) - 1) + 1
+    if rows < 4 * unknown:
         problem = f"{len(record)} samples for {unknown} coefficients of the projection"
-        allowed = f"at least {2 * unknown + 2 * taps} samples in one piece"
+        allowed = f"at least {4 * unknown + past + future} samples in one piece"
         raise InputError(problem, allowed=allowed, key=record.name)
-    lags = [used[taps + lag : taps + lag + rows] for lag in range(-taps, taps + 1)]
-    regressors = np.hstack((*lags, np.ones((rows, 1))))
-    u = record.u[taps : taps + rows]
+    total = np.vstack((np.zeros(used.shape[1]), np.cumsum(used, axis=0)))
+    # the sum of r over the lags first .. last - 1 before each sample
+    groups = [
+        total[past - first + 1 : past - first + 1 + rows] - total[past - last + 1 : past - last + 1 + rows]
+        for first, last in pairwise(edges)
+    ]
+    regressors = np.hstack((*groups, np.ones((rows, 1))))
+    u = record.u[past : past + rows]
     solution, *_ = np.linalg.lstsq(regressors, u, rcond=1e-10)
     projected = regressors @ solution
     explained = 1.0 - np.sum((u - projected) ** 2, axis=0) / np.sum((u - u.mean(axis=0)) ** 2, axis=0)
-    return Projected(replace(record.piece(taps, taps + rows), u=projected), explained)
+    return Projected(replace(record.piece(past, past + rows), u=projected), explained)
+
+
+def lag_groups(past: int, future: int) -> list[int]:
+    """First lags of the groups that share a coefficient, ascending; the last entry ends the last group.
+
+    Args:
+        past: largest lag.
+        future: largest negative lag.
+    """
+    edges = list(range(-future, min(SINGLE, past) + 1))
+    width = 1.0
+    while edges[-1] <= past:
+        width *= GROWTH
+        edges.append(edges[-1] + max(1, round(width)))
+    edges[-1] = past + 1
+    return edges
 
 
 def projection(
@@ -77,7 +108,7 @@ def projection(
     records: Sequence[Record],
     *,
     hold: Hold = Hold.ZERO,
-    reach: float = REACH,
+    behind: float = BEHIND,
     search: Search | None = None,
 ) -> Estimate:
     """Both steps; standard errors are the robust ones, since all of the noise is in the residuals.
@@ -86,11 +117,12 @@ def projection(
         structure: what is estimated.
         records: data with external signals.
         hold: of the input.
-        reach: of the filter to either side [s].
+        behind: reach of the filter into the past [s].
         search: how the minimum is looked for.
 
     Raises:
         InputError: see `project` and `prediction_error`.
     """
-    data = [project(record, reach).record for record in records]
-    return prediction_error(structure, data, noise=Noise.OUTPUT_ERROR, hold=hold, search=search)
+    data = [project(record, behind).record for record in records]
+    how = search or Search(correlation_time=CORRELATION_TIME)
+    return prediction_error(structure, data, noise=Noise.OUTPUT_ERROR, hold=hold, search=how)
