@@ -14,5 +14,7 @@ setup(
     ],
     python_requires=">=3.10,<3.14",
     extras_require={"test": ["pytest"]},
-    entry_points={},
+    entry_points={
+        "console_scripts": ["identification_node = heli_identification.nodes.identification_node:main"]
+    },
 )

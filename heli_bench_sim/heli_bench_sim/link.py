@@ -51,6 +51,11 @@ class DelayLine:
         """From a command's stamp until it can be taken [ns]."""
         return self._dead_time_ns
 
+    @property
+    def taken_ns(self) -> int:
+        """Stamp of the newest command taken [ns], -1 before the first."""
+        return self._taken_ns
+
     def set_dead_time(self, dead_time_ns: int) -> None:
         """Change the dead time [ns], also of what is already on its way.
 

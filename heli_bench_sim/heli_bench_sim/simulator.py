@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from heli_bench_sim.bench import Bench
 from heli_bench_sim.fault_request import fault_from_text
-from heli_bench_sim.link import DelayLine
+from heli_bench_sim.superposition import Superposition
 from heli_bench_sim.validity import Violation
 from heli_common.component import Message
 from heli_common.errors import SafetyStop
@@ -38,6 +38,10 @@ REGIME_PERIOD_NS = 100_000_000
 class BenchSimulator:
     """A bench that takes commands and gives a sample every 2.5 ms.
 
+    Args:
+        bench: to be driven.
+        excited: whether an identification adds its excitation to the servo commands; it is waited for, too.
+
     Attributes:
         stamp_ns: stamp of the last sample, negative before the first one.
         late: late commands so far, per input topic.
@@ -59,15 +63,17 @@ class BenchSimulator:
         "clock",
     )
 
-    def __init__(self, bench: Bench) -> None:
+    def __init__(self, bench: Bench, excited: bool = False) -> None:
         self.bench = bench
+        if excited:
+            self.inputs = (*self.inputs, "excitation")
         self.stamp_ns = -SENSOR_PERIOD_NS
         self.late = dict.fromkeys(self.inputs, 0)
         self.ended_at: int | None = None
         self._commands: dict[str, list[tuple[int, Sequence[float]]]] = {topic: [] for topic in self.inputs}
         self.newest = dict.fromkeys(self.inputs, -1)
         self.left_regime: dict[str, tuple[int, Violation]] = {}
-        self._link = DelayLine(bench.parameters.link.dead_time_ns)
+        self._link = Superposition(excited)
         self._imu_variances = bench.imu_variances
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
@@ -81,7 +87,9 @@ class BenchSimulator:
         except ValueError as error:
             raise SafetyStop(f"{error} at {stamp_ns * 1e-9:.2f} s; motor switched off") from None
         if topic == "servo_command":
-            self._link.send(stamp_ns, values)
+            self._link.send_command(stamp_ns, values)
+        elif topic == "excitation":
+            self._link.send_excitation(stamp_ns, values)
         else:
             self._commands[topic].append((stamp_ns, values))
         self.newest[topic] = max(self.newest[topic], stamp_ns)
@@ -119,9 +127,9 @@ class BenchSimulator:
             self.bench.set_fan(stage[_FAN])
         if is_pwm_tick(self.stamp_ns):
             delay = self.bench.faults.link_delay_ns(self.stamp_ns)
-            self._link.set_dead_time(self.bench.parameters.link.dead_time_ns + delay)
-            if (servo := self._link.take(due_ns)) is not None:
-                self.bench.set_servo_command(servo[0], servo[1], servo[2], servo[3])
+            dead_time = self.bench.parameters.link.dead_time_ns + delay
+            if (servo := self._link.take(due_ns, dead_time)) is not None:
+                self.bench.set_servo_command(*servo)
 
     def _take(self, topic: str, due_ns: int) -> Sequence[float] | None:
         """The newest command stamped not later than `due_ns`; older ones are superseded."""

@@ -20,7 +20,13 @@ from heli_common.finite import require_finite
 from heli_common.quantities import quantity
 from heli_common.rotations import Vector3
 from heli_common.timing import CONTROL_PERIOD
-from heli_common.vehicle_state import VehicleState, pose_from_values, state_from_odometry, twist_values
+from heli_common.vehicle_state import (
+    VehicleState,
+    pose_from_values,
+    state_from_odometry,
+    twist_from_values,
+    twist_values,
+)
 from heli_control.received import flight_state
 from heli_control.reference_model import ReferenceModel
 
@@ -161,18 +167,22 @@ class PositionController:
     """Component: odometry, reference and flight state in, velocity reference out.
 
     While the helicopter is not controlled or its pose is not known, the integrals are reset and zeros go out.
+    An excitation of the reference is added as feed-forward, inside the limits.
 
     Args:
         parameters: gains, times and limits.
+        excited: whether an identification runs that may excite the reference.
     """
 
     name = topics.POSITION_CONTROLLER
     inputs: tuple[str, ...] = ("odometry", "reference", "flight_state")
     outputs: tuple[str, ...] = ("velocity_reference",)
 
-    def __init__(self, parameters: PositionParameters) -> None:
+    def __init__(self, parameters: PositionParameters, excited: bool = False) -> None:
         self._law = PositionLaw(parameters)
-        self._join = StampJoin(self.inputs)
+        optional = ("reference_excitation",) if excited else ()
+        self._join = StampJoin(self.inputs, optional)
+        self.inputs = (*self.inputs, *optional)
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
         """Take in one message; when all inputs of a stamp are there, the velocity reference.
@@ -188,10 +198,14 @@ class PositionController:
         stage, _ = flight_state(ready["flight_state"])
         if stage.controlled and state.known:
             position, attitude = pose_from_values(ready["reference"])
-            forward, right, down, yaw_rate = self._law.step(state, position, attitude.psi)
+            excitation = NO_VELOCITY
+            if "reference_excitation" in ready:
+                velocity, turn = twist_from_values(ready["reference_excitation"])
+                excitation = (*velocity, turn[2])
+            forward, right, down, yaw_rate = self._law.step(state, position, attitude.psi, excitation)
         else:
             self._law.reset()
             forward, right, down, yaw_rate = NO_VELOCITY
         reference = twist_values((forward, right, down), (0.0, 0.0, yaw_rate))
         require_finite("velocity_reference", reference)
-        return [Message("velocity_reference", stamp_ns, reference)]
+        return [Message("velocity_reference", self._join.stamp_ns, reference)]

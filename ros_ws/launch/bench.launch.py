@@ -12,7 +12,9 @@ from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 from heli_common import topics
-from heli_flight.process_table import PROCESSES
+from heli_common.errors import InputError
+from heli_flight.plan import Plan, load_plan
+from heli_flight.process_table import processes
 
 ARGUMENTS = (
     DeclareLaunchArgument(
@@ -25,6 +27,12 @@ ARGUMENTS = (
         "mode", default_value="realtime", choices=["realtime", "lockstep"], description="way of running"
     ),
     DeclareLaunchArgument("seed", default_value="1", description="seed of the bench's random numbers"),
+    DeclareLaunchArgument(
+        "identification",
+        default_value="false",
+        choices=["true", "false"],
+        description="whether the identification runs though the plan does not excite",
+    ),
     DeclareLaunchArgument("bag", default_value="", description="new folder for the bag; empty: none"),
 )
 
@@ -32,14 +40,19 @@ ARGUMENTS = (
 def nodes(context: LaunchContext) -> list[Node]:
     """One action per process, with the parameters that the arguments decide."""
     given = context.launch_configurations
+    plan = readable(given["plan"])
+    identified = given["identification"] == "true" or bool(plan and plan.excitations)
     own = {
         topics.BENCH_SIM: {"mode": given["mode"], "seed": int(given["seed"])},
         topics.SUPERVISOR: {"plan": given["plan"]},
         topics.ATTITUDE_CONTROLLER: {"controller": given["controller"]},
+        topics.IDENTIFICATION: {"excitations": plan.excitations_text if plan else ""},
         topics.RECORDER: {"bag": given["bag"]},
     }
-    processes = [process for process in PROCESSES if process.name != topics.RECORDER or given["bag"]]
-    running = {"running": ",".join(process.name for process in processes)}
+    table = [each for each in processes(identified) if each.name != topics.RECORDER or given["bag"]]
+    running = {"running": ",".join(process.name for process in table)}
+    # A flight in real time goes on without its optional nodes.
+    spared = (topics.RECORDER, *(topics.OPTIONAL_NODES if given["mode"] == "realtime" else ()))
     return [
         Node(
             package=process.package,
@@ -48,10 +61,18 @@ def nodes(context: LaunchContext) -> list[Node]:
             parameters=[typed(running | own.get(process.name, {}))],
             output="screen",
             # The recorder ends first, when its bag is closed; the bench waits for that.
-            on_exit=[] if process.name == topics.RECORDER else [Shutdown(reason=f"{process.name} ended")],
+            on_exit=[] if process.name in spared else [Shutdown(reason=f"{process.name} ended")],
         )
-        for process in processes
+        for process in table
     ]
+
+
+def readable(name: str) -> Plan | None:
+    """A plan, or None without one; what is wrong with it the supervisor says."""
+    try:
+        return load_plan(name) if name else None
+    except InputError:
+        return None
 
 
 def typed(parameters: dict[str, str | int]) -> dict[str, ParameterValue]:

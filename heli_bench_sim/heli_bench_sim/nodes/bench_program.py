@@ -11,7 +11,7 @@ from heli_common.component import Message
 from heli_common.errors import SafetyStop
 from heli_common.nodes.connection import Connection
 from heli_common.timing import COMMAND_LATENCY_NS, CONTROL_PERIOD_NS, SENSOR_PERIOD_NS, is_control_tick
-from heli_common.topics import BENCH_SIM, RECORDER, TOPICS
+from heli_common.topics import BENCH_SIM, OPTIONAL_NODES, RECORDER, TOPICS
 
 LOCKSTEP, REALTIME = "lockstep", "realtime"
 MODES = (LOCKSTEP, REALTIME)
@@ -137,6 +137,8 @@ class BenchProgram:
 
     def _refuse_silence(self) -> None:
         for topic, newest in self.simulator.newest.items():
+            if TOPICS[topic].source in OPTIONAL_NODES:
+                continue  # the flight goes on without it
             silence = self.simulator.stamp_ns - COMMAND_LATENCY_NS - CONTROL_PERIOD_NS - newest
             if silence > self._watch.silence * 1e9:
                 source = TOPICS[topic].source

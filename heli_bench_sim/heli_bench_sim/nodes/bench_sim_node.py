@@ -26,7 +26,7 @@ from heli_common.nodes.parameters import (
     declare_text,
 )
 from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
-from heli_common.topics import BENCH_SIM, TOPICS
+from heli_common.topics import BENCH_SIM, IDENTIFICATION, TOPICS
 
 
 def build(node: Node, running: tuple[str, ...]) -> BenchProgram:
@@ -43,7 +43,8 @@ def build(node: Node, running: tuple[str, ...]) -> BenchProgram:
     watch = declare_parameters(node, WatchParameters, "watch.")
     faults = _read_faults(declare_text(node, "faults", "[]", "what goes wrong and when, as in a plan (YAML)"))
     _warm_up(parameters)
-    simulator = BenchSimulator(Bench(parameters, seed, faults=faults))
+    bench = Bench(parameters, seed, faults=faults)
+    simulator = BenchSimulator(bench, excited=IDENTIFICATION in running)
     about = "set it to let something go wrong now, e.g. encoder_stuck encoder=arm_1 for_s=2"
     declare_request(node, "fault", "", about, lambda text: simulator.request_fault(str(text)))
     return BenchProgram(simulator, mode, running, watch)

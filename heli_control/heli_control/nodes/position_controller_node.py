@@ -10,17 +10,18 @@ from heli_common.nodes.runner import ComponentProgram, run_node  # first: it tak
 from rclpy.node import Node
 
 from heli_common.nodes.parameters import declare_parameters
-from heli_common.topics import POSITION_CONTROLLER
+from heli_common.topics import IDENTIFICATION, POSITION_CONTROLLER
 from heli_control.position_control import PositionController, PositionParameters
 
 
-def build(node: Node, _running: tuple[str, ...]) -> ComponentProgram:
+def build(node: Node, running: tuple[str, ...]) -> ComponentProgram:
     """Declare parameters and build the controller.
 
     Raises:
         InputError: a parameter is not allowed.
     """
-    return ComponentProgram(PositionController(declare_parameters(node, PositionParameters)))
+    parameters = declare_parameters(node, PositionParameters)
+    return ComponentProgram(PositionController(parameters, excited=IDENTIFICATION in running))
 
 
 def main() -> None:

@@ -34,20 +34,38 @@ class Component(Protocol):
         ...
 
 
+PATIENCE = 5
+"""Stamps in a row without an optional topic after which it is no longer waited for."""
+
+
 class StampJoin:
     """Collects one message from each of several topics for every stamp.
 
     Topics arrive in order of their stamps, but not in step with each other. A late consumer must not grow
     without bound: when a newer stamp is complete, older incomplete ones are dropped and counted.
+
+    An optional topic is waited for until all others are there for a newer stamp too; then the older set is
+    given without it. In lockstep that cannot happen: no newer stamp comes before the older one is answered.
+
+    Args:
+        topics: without which no set is complete.
+        optional: topics of a node that may be lost while the flight goes on.
+
+    Attributes:
+        stamp_ns: of the set given last [ns].
+        dropped: incomplete sets so far.
     """
 
-    def __init__(self, topics: Sequence[str]) -> None:
-        self._topics = tuple(topics)
+    def __init__(self, topics: Sequence[str], optional: Sequence[str] = ()) -> None:
+        self._needed, self._optional = tuple(topics), tuple(optional)
+        self._topics = (*self._needed, *self._optional)
+        self._missed = 0
         self._waiting: dict[int, dict[str, Sequence[float]]] = {}
+        self.stamp_ns = -1
         self.dropped = 0
 
     def add(self, topic: str, stamp_ns: int, values: Sequence[float]) -> dict[str, Sequence[float]] | None:
-        """The complete set of this stamp, or None while something is missing.
+        """The complete set of a stamp, or None while something is missing.
 
         Raises:
             ValueError: the topic is none of those joined.
@@ -56,9 +74,26 @@ class StampJoin:
             raise ValueError(f"topic {topic!r} is none of {self._topics}")
         entry = self._waiting.setdefault(stamp_ns, {})
         entry[topic] = values
-        if len(entry) < len(self._topics):
+        if not self._has(entry, self._needed):
             return None
-        del self._waiting[stamp_ns]
+        if self._has(entry, self._optional):
+            self._missed = 0
+        elif self._missed < PATIENCE:
+            older = [s for s, e in self._waiting.items() if s < stamp_ns and self._has(e, self._needed)]
+            if not older:
+                return None
+            self._missed += 1
+            if self._missed < PATIENCE:
+                stamp_ns = max(older)
+        return self._take(stamp_ns)
+
+    @staticmethod
+    def _has(entry: dict[str, Sequence[float]], topics: tuple[str, ...]) -> bool:
+        return all(topic in entry for topic in topics)
+
+    def _take(self, stamp_ns: int) -> dict[str, Sequence[float]]:
+        self.stamp_ns = stamp_ns
+        entry = self._waiting.pop(stamp_ns)
         stale = [stamp for stamp in self._waiting if stamp < stamp_ns]
         for stamp in stale:
             del self._waiting[stamp]

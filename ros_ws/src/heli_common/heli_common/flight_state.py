@@ -45,12 +45,15 @@ def flight_state_from_code(code: float) -> FlightState:
         raise ValueError(f"flight state code {code!r} is none of 0 .. {len(FlightState) - 1}") from None
 
 
-def flight_state_values(state: float, rotor_speed: float = 0.0, fan: float = 0.0) -> tuple[float, ...]:
+def flight_state_values(
+    state: float, rotor_speed: float = 0.0, fan: float = 0.0, excitation: int = 0
+) -> tuple[float, ...]:
     """Numbers of a `flight_state` message.
 
     Args:
         state: its code.
         rotor_speed: reference of the rotor speed [rad/s], 0 for a rotor at rest.
         fan: speed asked of the wind generator [m/s].
+        excitation: number of the plan's excitation being flown, from 1; 0 for none.
     """
-    return (float(state), 0.0, 0.0, 0.0, rotor_speed, fan, 0.0, 0.0, 0.0)
+    return (float(state), 0.0, 0.0, 0.0, rotor_speed, fan, float(excitation), 0.0, 0.0)

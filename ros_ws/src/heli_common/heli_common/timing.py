@@ -8,6 +8,9 @@ SENSOR_PERIOD_NS = 2_500_000
 CONTROL_PERIOD_NS = 10_000_000
 """Navigation for control, controllers and supervisor act at 100 Hz."""
 
+ESTIMATE_PERIOD_NS = 100_000_000
+"""The running estimate is published at 10 Hz."""
+
 COMMAND_LATENCY_NS = 5_000_000
 """A command stamped t_k acts at t_k + 5 ms."""
 

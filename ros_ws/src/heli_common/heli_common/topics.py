@@ -6,12 +6,13 @@ Names are relative, so a namespace moves the whole bench. Data topics make up a 
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 
 from heli_common import layout
 from heli_common.layout import Layout
 from heli_common.rig_geometry import ENCODER_NAMES
-from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
+from heli_common.timing import CONTROL_PERIOD_NS, ESTIMATE_PERIOD_NS, SENSOR_PERIOD_NS
 from heli_common.vehicle_state import BODY_FRAME, HEADING_FRAME, IMU_FRAME, WORLD_FRAME
 
 BENCH_SIM = "bench_sim"
@@ -21,12 +22,19 @@ POSITION_CONTROLLER = "position_controller"
 ATTITUDE_CONTROLLER = "attitude_controller"
 SUPERVISOR = "supervisor"
 RECORDER = "recorder"
+IDENTIFICATION = "identification"
+
+OPTIONAL_NODES = (IDENTIFICATION,)
+"""Nodes that a flight can be without, and that may be lost in real time."""
 
 SERVO_CHANNELS = ("B_1s", "A_1s", "theta_0", "theta_t")
 RIG_FRAME = "rig"
 
 IMU_AXES = ("gyro_x", "gyro_y", "gyro_z", "accelerometer_x", "accelerometer_y", "accelerometer_z")
 """Axes of the IMU; in messages FLU."""
+
+ESTIMATED = ("M_u", "M_v", "M_q", "M_1", "M_2", "M_0", "L_u", "L_v", "L_p", "L_1", "L_2", "L_0")
+"""Coefficients of the pitch and roll acceleration (source eq. 2.82), M_0 and L_0 [rad/s^2] that of trim."""
 
 FAULT_FIELDS = (
     "encoder_stuck",
@@ -86,7 +94,7 @@ _TABLE = (
         layout.odometry(WORLD_FRAME, BODY_FRAME),
         CONTROL_PERIOD_NS,
         NAVIGATION,
-        (SUPERVISOR, POSITION_CONTROLLER, ATTITUDE_CONTROLLER),
+        (SUPERVISOR, POSITION_CONTROLLER, ATTITUDE_CONTROLLER, IDENTIFICATION),
     ),
     Topic("odometry_imu", layout.odometry(WORLD_FRAME, BODY_FRAME), SENSOR_PERIOD_NS, NAVIGATION),
     Topic("imu_attitude", layout.imu(IMU_FRAME), CONTROL_PERIOD_NS, NAVIGATION),
@@ -97,10 +105,14 @@ _TABLE = (
         _joints("flight_state", "rotor", "fan"),
         CONTROL_PERIOD_NS,
         SUPERVISOR,
-        (BENCH_SIM, MOTOR_CONTROLLER, POSITION_CONTROLLER, ATTITUDE_CONTROLLER),
+        (BENCH_SIM, MOTOR_CONTROLLER, POSITION_CONTROLLER, ATTITUDE_CONTROLLER, IDENTIFICATION),
     ),
     Topic(
-        "reference", layout.pose_stamped(WORLD_FRAME), CONTROL_PERIOD_NS, SUPERVISOR, (POSITION_CONTROLLER,)
+        "reference",
+        layout.pose_stamped(WORLD_FRAME),
+        CONTROL_PERIOD_NS,
+        SUPERVISOR,
+        (POSITION_CONTROLLER, IDENTIFICATION),
     ),
     Topic(
         "velocity_reference",
@@ -109,13 +121,34 @@ _TABLE = (
         POSITION_CONTROLLER,
         (ATTITUDE_CONTROLLER,),
     ),
-    Topic("servo_command", _joints(*SERVO_CHANNELS), CONTROL_PERIOD_NS, ATTITUDE_CONTROLLER, (BENCH_SIM,)),
+    Topic(
+        "servo_command",
+        _joints(*SERVO_CHANNELS),
+        CONTROL_PERIOD_NS,
+        ATTITUDE_CONTROLLER,
+        (BENCH_SIM, IDENTIFICATION),
+    ),
     Topic("motor_command", _joints("motor"), CONTROL_PERIOD_NS, MOTOR_CONTROLLER, (BENCH_SIM,)),
+    Topic("excitation", _joints(*SERVO_CHANNELS), CONTROL_PERIOD_NS, IDENTIFICATION, (BENCH_SIM,)),
+    Topic(
+        "reference_excitation",
+        layout.twist_stamped(HEADING_FRAME),
+        CONTROL_PERIOD_NS,
+        IDENTIFICATION,
+        (POSITION_CONTROLLER,),
+    ),
+    Topic("estimate", _joints(*ESTIMATED), ESTIMATE_PERIOD_NS, IDENTIFICATION),
     Topic("recorder_ack", layout.header(RIG_FRAME), CONTROL_PERIOD_NS, RECORDER, (BENCH_SIM,), hashed=False),
 )
 
 TOPICS: dict[str, Topic] = {topic.name: topic for topic in _TABLE}
 DATA_TOPICS: tuple[str, ...] = tuple(topic.name for topic in _TABLE if topic.hashed)
+
+
+def data_topics(running: Container[str] = ()) -> tuple[str, ...]:
+    """The data topics of a flight: all, but those of optional nodes only where these run."""
+    sources = {name: TOPICS[name].source for name in DATA_TOPICS}
+    return tuple(name for name, by in sources.items() if by not in OPTIONAL_NODES or by in running)
 
 
 def listeners(topic: str, running: tuple[str, ...]) -> tuple[str, ...]:

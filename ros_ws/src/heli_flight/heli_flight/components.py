@@ -19,6 +19,9 @@ from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import GUSTY, Plan
 from heli_flight.stages import FlightLimits
 from heli_flight.supervisor import Supervisor
+from heli_identification.excitation_guard import GuardParameters
+from heli_identification.identifier import Identifier
+from heli_identification.running_estimate import EstimateParameters
 from heli_navigation.filter_parameters import FilterParameters
 from heli_navigation.imu_attitude_parameters import ImuAttitudeParameters
 from heli_navigation.navigator import NavigationParameters, Navigator
@@ -26,14 +29,16 @@ from heli_navigation.navigator import NavigationParameters, Navigator
 DEFAULTS = NodeValues()
 
 
-def bench_simulator(seed: int, values: NodeValues = DEFAULTS, plan: Plan | None = None) -> BenchSimulator:
-    """The simulated bench, in the room and with the faults of a plan."""
+def bench_simulator(
+    seed: int, values: NodeValues = DEFAULTS, plan: Plan | None = None, identified: bool = False
+) -> BenchSimulator:
+    """The simulated bench, in the room and with the faults of a plan, with or without an identification."""
     parameters = values.build_groups(topics.BENCH_SIM, BenchParameters)
     if plan is None:
-        return BenchSimulator(Bench(parameters, seed))
+        return BenchSimulator(Bench(parameters, seed), identified)
     if plan.room == GUSTY:
         parameters = replace(parameters, room=replace(parameters.room, active=1.0))
-    return BenchSimulator(Bench(parameters, seed, faults=FaultSchedule(plan.faults)))
+    return BenchSimulator(Bench(parameters, seed, faults=FaultSchedule(plan.faults)), identified)
 
 
 def supervisor(plan: Plan, values: NodeValues = DEFAULTS) -> Supervisor:
@@ -51,12 +56,23 @@ def navigator(values: NodeValues = DEFAULTS) -> Navigator:
     )
 
 
-def controllers(controller: ControllerFile, values: NodeValues = DEFAULTS) -> list[Component]:
-    """Navigation and the three controllers."""
+def identifier(plan: Plan | None = None, values: NodeValues = DEFAULTS) -> Identifier:
+    """The identification with the excitations of a plan."""
+    return Identifier(
+        plan.excitations if plan else (),
+        values.build(topics.IDENTIFICATION, GuardParameters, "guard."),
+        values.build(topics.IDENTIFICATION, EstimateParameters, "estimate."),
+    )
+
+
+def controllers(
+    controller: ControllerFile, values: NodeValues = DEFAULTS, identified: bool = False
+) -> list[Component]:
+    """Navigation and the three controllers, which an identification may excite."""
     attitude = values.build(topics.ATTITUDE_CONTROLLER, AttitudeParameters)
     return [
         navigator(values),
-        PositionController(values.build(topics.POSITION_CONTROLLER, PositionParameters)),
+        PositionController(values.build(topics.POSITION_CONTROLLER, PositionParameters), identified),
         AttitudeController(controller, attitude),
         MotorController(values.build(topics.MOTOR_CONTROLLER, MotorParameters)),
     ]

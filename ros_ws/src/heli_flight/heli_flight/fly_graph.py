@@ -17,7 +17,7 @@ from heli_common.flight_state import FlightState
 from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.plan import GUSTY
 from heli_flight.process_group import Line, ProcessGroup
-from heli_flight.process_table import NODE_NAMES, PROCESSES, Process
+from heli_flight.process_table import NODE_NAMES, Process, processes
 from heli_flight.progress import Progress, parse
 from heli_flight.warm_up import is_warm, warm_up
 
@@ -39,9 +39,9 @@ def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callab
     with tempfile.TemporaryDirectory(prefix="heli_") as folder:
         notes = Path(folder) / "notes.json"
         notes.write_text(json.dumps(order.notes()))
-        commands = {process.name: command(process, order, notes) for process in PROCESSES}
+        commands = {each.name: command(each, order, notes) for each in processes(order.identified)}
         with ProcessGroup(commands, environment()) as group:
-            watch = _Watch(group, tell, warn)
+            watch = _Watch(group, tell, warn, order.mode)
             try:
                 watch.until_over()
             except KeyboardInterrupt:
@@ -62,11 +62,15 @@ def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:
         topics.BENCH_SIM: _bench_settings(order),
         topics.SUPERVISOR: {"plan": order.plan_name},
         topics.ATTITUDE_CONTROLLER: {"controller": order.controller_name},
+        topics.IDENTIFICATION: {"excitations": order.plan.excitations_text},
         topics.RECORDER: {"bag": str(order.bag), "notes": str(notes)},
     }
     scheduled = order.mode is Mode.REALTIME and order.real_time_scheduling
     priority = process.priority if scheduled else 0
-    common: dict[str, str | int | float] = {"running": ",".join(NODE_NAMES), "real_time_priority": priority}
+    common: dict[str, str | int | float] = {
+        "running": ",".join(order.running),
+        "real_time_priority": priority,
+    }
     words = [sys.executable, "-m", process.module, "--ros-args"]
     if order.parameters is not None:
         words += ["--params-file", str(order.parameters)]
@@ -89,9 +93,15 @@ class _Watch:
     """Reads what the nodes say and decides when the flight is over and how it ended."""
 
     def __init__(
-        self, group: ProcessGroup, tell: Callable[[Progress], None], warn: Callable[[str], None]
+        self,
+        group: ProcessGroup,
+        tell: Callable[[Progress], None],
+        warn: Callable[[str], None],
+        mode: Mode,
     ) -> None:
         self._group, self._tell, self._warn = group, tell, warn
+        self._spared: set[str] = set(topics.OPTIONAL_NODES) if mode is Mode.REALTIME else set()
+        self._told: set[str] = set()
         self._last_error: dict[str, str] = {}
         self.progress = Progress(0.0, FlightState.IDLE, 0, 0)
         self.code, self.reason = EXIT_FLOWN, ""
@@ -100,7 +110,7 @@ class _Watch:
         """Until bench and recorder have ended by themselves, or any node has failed."""
         while True:
             self.take(self._group.read(READ_SECONDS))
-            exited = self._group.exited()
+            exited = self._spare(self._group.exited())
             failed = {name: code for name, code in exited.items() if code != 0}
             if failed or exited.keys() - {topics.BENCH_SIM, topics.RECORDER}:
                 self.take(self._group.stop())
@@ -110,6 +120,18 @@ class _Watch:
                 if self.progress.state is FlightState.FAULT:
                     self.code, self.reason = EXIT_SAFETY_STOP, self.progress.reason
                 return
+
+    def _spare(self, exited: dict[str, int]) -> dict[str, int]:
+        """Those exited without whom the flight cannot go on; of the others people are told once."""
+        for name in sorted(self._spared & exited.keys()):
+            if exited[name] == EXIT_BAD_INPUT:
+                continue
+            if name not in self._told:
+                self._told.add(name)
+                last = self._last_error.get(name, _how(name, exited[name]))
+                self._warn(f"warning: {last}; the flight goes on without it")
+            exited = {other: code for other, code in exited.items() if other != name}
+        return exited
 
     def take(self, lines: list[Line]) -> None:
         """Sort lines into progress, warnings and the last words of a node."""
@@ -127,7 +149,9 @@ class _Watch:
         order = [name for name in NODE_NAMES if name in exited]
         bad_input = [name for name in order if exited[name] == EXIT_BAD_INPUT]
         name = (bad_input or order)[0]
-        code = exited[name]
-        how = f"killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
-        self.reason = self._last_error.get(name, f"{name}: {how}")
+        self.reason = self._last_error.get(name, _how(name, exited[name]))
         self.code = EXIT_BAD_INPUT if bad_input else EXIT_SAFETY_STOP
+
+
+def _how(name: str, code: int) -> str:
+    return f"{name}: killed by signal {-code}" if code < 0 else f"{name}: ended with exit code {code}"

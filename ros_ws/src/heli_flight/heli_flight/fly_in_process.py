@@ -8,9 +8,9 @@ from time import perf_counter
 from heli_common.errors import EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, SafetyStop
 from heli_common.flight_state import FlightState
 from heli_common.timing import SENSOR_PERIOD_NS
-from heli_common.topics import DATA_TOPICS, TOPICS
+from heli_common.topics import TOPICS, data_topics
 from heli_flight.bag import BagWriter
-from heli_flight.components import DEFAULTS, bench_simulator, controllers, supervisor
+from heli_flight.components import DEFAULTS, bench_simulator, controllers, identifier, supervisor
 from heli_flight.in_process import InProcessGraph
 from heli_flight.order import FlightEnd, FlightOrder
 from heli_flight.parameter_file import read_parameters
@@ -28,18 +28,21 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
     """
     started = perf_counter()
     values = read_parameters(order.parameters) if order.parameters else DEFAULTS
-    bench = bench_simulator(order.seed, values, order.plan)
+    bench = bench_simulator(order.seed, values, order.plan, order.identified)
     leader = supervisor(order.plan, values)
     bag = BagWriter(order.bag, order.notes())
-    recorded = frozenset(DATA_TOPICS)
-    for topic in DATA_TOPICS:
+    recorded = data_topics(order.running)
+    for topic in recorded:
         bag.add_topic(topic, TOPICS[topic].layout.ros_type)
 
     def record(topic: str, stamp_ns: int, data: bytes) -> None:
         if topic in recorded:
             bag.write(topic, stamp_ns, data)
 
-    graph = InProcessGraph(bench, [leader, *controllers(order.controller, values)], record)
+    parts = [leader, *controllers(order.controller, values, order.identified)]
+    if order.identified:
+        parts.append(identifier(order.plan, values))
+    graph = InProcessGraph(bench, parts, record)
     code, reason = EXIT_FLOWN, ""
     try:
         while bench.ended_at is None:

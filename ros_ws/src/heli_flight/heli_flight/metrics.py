@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from heli_common.flight_state import FlightState
 from heli_common.timing import CONTROL_PERIOD_NS
-from heli_common.topics import DATA_TOPICS
+from heli_common.topics import data_topics
 from heli_flight.flight_record import Array, FlightRecord, Stamps, seconds
 
 AXES = ("x", "y", "z", "psi")
@@ -97,7 +97,7 @@ def flight_metrics(record: FlightRecord) -> dict[str, Any]:
     }
 
 
-_NEEDED = tuple(name for name in DATA_TOPICS if name not in ("encoders", "rotor_state"))
+_NEEDED = tuple(name for name in data_topics() if name not in ("encoders", "rotor_state"))
 
 
 def reference_legs(record: FlightRecord) -> list[Leg]:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from heli_control.controller_file import ControllerFile
 from heli_flight.plan import Plan
+from heli_flight.process_table import processes
 
 RECORDED_VERSIONS = ("heli_flight", "ros-jazzy-rclpy", "numpy", "scipy", "numba", "mcap", "rosbags")
 
@@ -37,6 +38,7 @@ class FlightOrder:
         bag: folder to record into.
         parameters: ROS 2 parameter file for the nodes, None for defaults.
         real_time_scheduling: whether a real-time flight asks for SCHED_FIFO.
+        with_identification: whether the identification flies along though the plan excites nothing.
     """
 
     plan: Plan
@@ -48,6 +50,17 @@ class FlightOrder:
     bag: Path
     parameters: Path | None = None
     real_time_scheduling: bool = True
+    with_identification: bool = False
+
+    @property
+    def identified(self) -> bool:
+        """Whether the identification flies along."""
+        return self.with_identification or bool(self.plan.excitations)
+
+    @property
+    def running(self) -> tuple[str, ...]:
+        """Names of the nodes of the flight."""
+        return tuple(process.name for process in processes(self.identified))
 
     def notes(self) -> dict[str, str]:
         """What the bag carries beside its messages."""

@@ -19,6 +19,8 @@ from heli_control.attitude_control import AttitudeParameters
 from heli_control.motor_control import MotorParameters
 from heli_control.position_control import PositionParameters
 from heli_flight.stages import FlightLimits
+from heli_identification.excitation_guard import GuardParameters
+from heli_identification.running_estimate import EstimateParameters
 from heli_navigation.filter_parameters import FilterParameters
 from heli_navigation.imu_attitude_parameters import ImuAttitudeParameters
 from heli_navigation.navigator import NavigationParameters
@@ -40,6 +42,7 @@ NODE_PARAMETERS: dict[str, list[tuple[str, Any]]] = {
     topics.POSITION_CONTROLLER: [("", PositionParameters())],
     topics.ATTITUDE_CONTROLLER: [("", AttitudeParameters())],
     topics.MOTOR_CONTROLLER: [("", MotorParameters())],
+    topics.IDENTIFICATION: [("guard.", GuardParameters()), ("estimate.", EstimateParameters())],
 }
 """Prefix and parameter dataclasses of each node, as the node declares them."""
 

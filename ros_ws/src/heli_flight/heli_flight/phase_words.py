@@ -15,6 +15,7 @@ from heli_common.quantities import Quantity, about, check_number
 from heli_flight.plan_file import refuse_unknown
 from heli_flight.plan_phases import (
     AXES,
+    Excite,
     Home,
     Hover,
     Land,
@@ -25,6 +26,7 @@ from heli_flight.plan_phases import (
     Step,
     TakeOff,
 )
+from heli_identification.excitation_words import excitation_mapping, read_excitation
 
 _AMPLITUDE = Quantity("m", "D", "size of the step", -0.8, 0.8)
 _AMPLITUDE_DEG = Quantity("deg", "D", "size of the step", -180.0, 180.0)
@@ -46,11 +48,11 @@ def read_phase(entry: object, file: str | None, place: str) -> Phase:
     Raises:
         InputError: names file, key, value and what is allowed.
     """
-    known = ", ".join((*_NUMBERS_ONLY, Step.key))
+    known = ", ".join((*_NUMBERS_ONLY, Step.key, Excite.key))
     if not isinstance(entry, Mapping) or len(entry) != 1:
         raise InputError(f"{entry!r} is no phase", allowed=f"one of {known}", file=file, key=place)
     ((kind, settings),) = entry.items()
-    if kind not in (*_NUMBERS_ONLY, Step.key):
+    if kind not in (*_NUMBERS_ONLY, Step.key, Excite.key):
         raise InputError(f"unknown phase {kind!r}", allowed=known, file=file, key=place)
     key = f"{place}.{kind}"
     settings = {} if settings is None else settings
@@ -58,6 +60,8 @@ def read_phase(entry: object, file: str | None, place: str) -> Phase:
         raise InputError(f"{settings!r} is no mapping", allowed="{duration: 5.0}", file=file, key=key)
     if kind == Step.key:
         return _read_step(settings, file, key)
+    if kind == Excite.key:
+        return _read_excite(settings, file, key)
     cls = _NUMBERS_ONLY[kind]
     quantities = _quantities(cls)
     refuse_unknown(settings, quantities, file, key)
@@ -71,6 +75,8 @@ def phase_mapping(phase: Phase) -> dict[str, object]:
         phase: of any kind.
     """
     settings = dataclasses.asdict(phase)
+    if isinstance(phase, Excite):
+        settings = excitation_mapping(phase.excitation) | {k: settings[k] for k in _WIND_KEYS}
     wind = {key: settings.pop(name) for name, key in _WIND_KEYS.items() if name in settings}
     if isinstance(phase, Step) and phase.axis == "psi":
         exact = degrees(phase.amplitude)
@@ -99,6 +105,13 @@ def _numbers(
         for name, (field, known) in quantities.items()
         if name in settings
     }
+
+
+def _read_excite(settings: Mapping[str, object], file: str | None, key: str) -> Excite:
+    wind = {name: field for name, field in _quantities(Excite).items() if name in settings}
+    own = {name: value for name, value in settings.items() if name not in wind}
+    numbers = _numbers(settings, wind, file, key)
+    return Excite(read_excitation(own, file=file, key=key), **numbers)
 
 
 def _read_step(settings: Mapping[str, object], file: str | None, key: str) -> Step:

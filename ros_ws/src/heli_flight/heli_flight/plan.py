@@ -12,6 +12,7 @@ phases:
   - hover: {duration: 10.0}
   - step: {axis: x, amplitude: 0.30, duration: 6.0}
   - step: {axis: psi, amplitude_deg: 20.0, duration: 6.0}
+  - excite: {signal: prbs, channel: B_1s, amplitude_deg: 0.5, band_rad_s: [0.5, 12], duration: 60.0}
   - land: {}
   - run_down: {}
 room: gusty                 # still (default), or gusty: the rotor's own air comes back from floor and ceiling
@@ -30,6 +31,7 @@ reference before them. Heights are of the platform, above the centre of the flig
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,6 +45,7 @@ from heli_flight.bag_metadata import dump_yaml
 from heli_flight.phase_words import phase_mapping, read_phase
 from heli_flight.plan_file import integer_at, read_mapping, read_text, refuse_unknown, text_at
 from heli_flight.plan_phases import (
+    Excite,
     Home,
     Hover,
     Land,
@@ -54,8 +57,11 @@ from heli_flight.plan_phases import (
     wind_command,
 )
 from heli_flight.plan_rules import check_faults, check_order, check_work_space
+from heli_identification.excitation import Excitation
+from heli_identification.excitation_words import excitation_mapping
 
 __all__ = [
+    "Excite",
     "Home",
     "Hover",
     "Land",
@@ -118,6 +124,16 @@ class Plan:
                 if isinstance(phase, Step) and phase.axis == "z":
                     height -= phase.amplitude
         return total
+
+    @property
+    def excitations(self) -> tuple[Excitation, ...]:
+        """Of the excite phases, in order."""
+        return tuple(phase.excitation for phase in self.phases if isinstance(phase, Excite))
+
+    @property
+    def excitations_text(self) -> str:
+        """The same as JSON, for the identification's parameter."""
+        return json.dumps([excitation_mapping(excitation) for excitation in self.excitations])
 
     def to_yaml(self) -> str:
         """The plan as a file that reads back to an equal plan."""

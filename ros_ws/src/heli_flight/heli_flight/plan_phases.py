@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from heli_common.quantities import Quantity, quantity
+from heli_identification.excitation import Excitation
 
 MINIMUM_HEIGHT, MAXIMUM_HEIGHT = -0.40, 0.30
 """Between which heights a reference may be [m]; the lower stop is at -0.45 m."""
@@ -107,8 +108,21 @@ class RunDown(_Timed):
     duration: float = _duration(3.0)
 
 
+@dataclass(frozen=True)
+class Excite(_Timed):
+    """The reference stays where it is while an excitation acts."""
+
+    key: ClassVar[str] = "excite"
+    excitation: Excitation
+
+    @property
+    def duration(self) -> float:
+        """Duration of the excitation [s]."""
+        return self.excitation.duration
+
+
 NumbersOnly = Home | RunUp | TakeOff | Hover | Land | RunDown
-Phase = NumbersOnly | Step
+Phase = NumbersOnly | Step | Excite
 
 
 def commands_wind(phase: Phase) -> bool:

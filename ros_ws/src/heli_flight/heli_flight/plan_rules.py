@@ -32,7 +32,7 @@ def check_order(phases: tuple[Phase, ...], file: str | None) -> None:
     expected = ["home", "run_up", "take_off", *keys[3:-2], "land", "run_down"]
     for index, (key, wanted) in enumerate(zip(keys, expected, strict=True)):
         if key != wanted or (3 <= index < len(keys) - 2 and key in _ONCE):
-            allowed = "home, run_up, take_off, then hover and step, then land, run_down"
+            allowed = "home, run_up, take_off, then hover, step and excite, then land, run_down"
             raise InputError(f"{key} stands out of order", allowed=allowed, file=file, key=f"phases[{index}]")
 
 

@@ -41,8 +41,15 @@ PROCESSES: tuple[Process, ...] = (
     Process(topics.POSITION_CONTROLLER, "heli_control", 34),
     Process(topics.ATTITUDE_CONTROLLER, "heli_control", 33),
     Process(topics.MOTOR_CONTROLLER, "heli_control", 32),
+    Process(topics.IDENTIFICATION, "heli_identification", 34),
     Process(topics.RECORDER, "heli_flight", 10),
 )
 """Priorities fall along the way from sensor to command; the recorder only drains buffers."""
+
+
+def processes(identified: bool) -> tuple[Process, ...]:
+    """Those of a flight with or without identification."""
+    return tuple(process for process in PROCESSES if identified or process.name != topics.IDENTIFICATION)
+
 
 NODE_NAMES = tuple(process.name for process in PROCESSES)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from heli_common.flight_state import flight_state_from_code
-from heli_common.topics import DATA_TOPICS, TOPICS
+from heli_common.timing import CONTROL_PERIOD_NS
+from heli_common.topics import TOPICS, data_topics
 from heli_flight.bag import BagWriter
 
 ACKNOWLEDGE_NS = 100_000_000
@@ -18,24 +19,27 @@ class FlightRecorder:
 
     Args:
         bag: to write into.
+        topics: that are recorded.
 
     Attributes:
         ended_at: stamp of the first flight state that ends the flight [ns], or None.
     """
 
-    def __init__(self, bag: BagWriter) -> None:
+    def __init__(self, bag: BagWriter, topics: tuple[str, ...] = data_topics()) -> None:
         self.ended_at: int | None = None
         self._bag = bag
         self._held: list[tuple[int, str, bytes]] = []
-        self._last = dict.fromkeys(DATA_TOPICS, -1)
-        self._stamps = {topic: TOPICS[topic].layout.stamp for topic in DATA_TOPICS}
+        self._last = dict.fromkeys(topics, -1)
+        # a slow topic says nothing of the time until its next message
+        self._until_next = {name: max(0, TOPICS[name].period_ns - CONTROL_PERIOD_NS) for name in topics}
+        self._stamps = {topic: TOPICS[topic].layout.stamp for topic in topics}
         self._state_layout = TOPICS["flight_state"].layout
         self._acknowledged_ns = -1
 
     @property
     def complete_until(self) -> int:
         """Stamp up to which every topic has arrived [ns]."""
-        return min(self._last.values())
+        return min(last + (self._until_next[topic] if last >= 0 else 0) for topic, last in self._last.items())
 
     @property
     def complete(self) -> bool:

@@ -14,10 +14,10 @@ from heli_common.errors import InputError
 from heli_common.topics import DATA_TOPICS, TOPICS
 from heli_control.controller_file import ControllerFile
 from heli_flight.bag_reader import Bag
-from heli_flight.components import DEFAULTS, controllers, navigator, supervisor
+from heli_flight.components import DEFAULTS, controllers, identifier, navigator, supervisor
 from heli_flight.flight_hash import canonical_messages
 from heli_flight.parameter_file import NodeValues, read_parameters
-from heli_flight.plan import parse_plan
+from heli_flight.plan import Plan, parse_plan
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,8 @@ def build(bag: Bag, node: str) -> Component:
     values = _parameters(bag)
     builders: dict[str, Callable[[], Component]] = {
         topics.NAVIGATION: lambda: navigator(values),
-        topics.SUPERVISOR: lambda: supervisor(parse_plan(_remark(bag, "plan"), str(bag.folder)), values),
+        topics.SUPERVISOR: lambda: supervisor(_plan(bag), values),
+        topics.IDENTIFICATION: lambda: identifier(_plan(bag), values),
     }
     for name in (topics.POSITION_CONTROLLER, topics.ATTITUDE_CONTROLLER, topics.MOTOR_CONTROLLER):
         builders[name] = lambda name=name: _controller(bag, name, values)  # type: ignore[misc]
@@ -100,8 +101,13 @@ def build(bag: Bag, node: str) -> Component:
 def _controller(bag: Bag, name: str, values: NodeValues) -> Component:
     with _as_file(_remark(bag, "controller_file")) as path:
         file = ControllerFile.read(path)
-    (found,) = (part for part in controllers(file, values) if part.name == name)
+    identified = bool(bag.messages.get("reference_excitation"))
+    (found,) = (part for part in controllers(file, values, identified) if part.name == name)
     return found
+
+
+def _plan(bag: Bag) -> Plan:
+    return parse_plan(_remark(bag, "plan"), str(bag.folder))
 
 
 def _parameters(bag: Bag) -> NodeValues:

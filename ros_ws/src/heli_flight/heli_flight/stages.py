@@ -12,6 +12,7 @@ from heli_common.quantities import quantity
 from heli_common.rotations import Vector3, wrap
 from heli_common.vehicle_state import VehicleState
 from heli_flight.plan_phases import (
+    Excite,
     Home,
     Hover,
     Land,
@@ -47,6 +48,8 @@ class Reference:
         heading: yaw reference [rad].
         rotor_speed: reference [rad/s], 0 for a rotor at rest.
         wind: speed asked of the wind generator [m/s].
+        excitation: number of the plan's excitation being flown, from 1; 0 for none.
+        excitations: flown so far.
     """
 
     state: FlightState = FlightState.IDLE
@@ -54,6 +57,8 @@ class Reference:
     heading: float = 0.0
     rotor_speed: float = 0.0
     wind: float = 0.0
+    excitation: int = 0
+    excitations: int = 0
 
 
 @dataclass(frozen=True)
@@ -117,6 +122,8 @@ def _stage(phase: Phase, reference: Reference, see: See, limits: FlightLimits) -
         return _hold(phase.duration, reference, see)
     if isinstance(phase, Step):
         return _step(phase, reference, see)
+    if isinstance(phase, Excite):
+        return _excite(phase, reference, see)
     if isinstance(phase, Land):
         return _land(phase, reference, see, limits)
     if isinstance(phase, RunDown):
@@ -185,11 +192,19 @@ def _step(phase: Step, reference: Reference, see: See) -> Stage:
     return _hold(phase.duration, reference, see)
 
 
+def _excite(phase: Excite, reference: Reference, see: See) -> Stage:
+    reference.excitations += 1
+    reference.excitation = reference.excitations
+    yield from _hold(phase.duration, reference, see)
+    reference.excitation = 0
+
+
 def _land(phase: Land, reference: Reference, see: See, limits: FlightLimits) -> Stage:
     start = see().time
     x, y, depth = reference.position
     below = limits.rest_depth + 0.15
     reference.state = FlightState.LANDING
+    reference.excitation = 0  # the landing may have cut one short
 
     def down() -> bool:
         flown = see().time - start

@@ -83,6 +83,7 @@ class Supervisor:
                 self.reason = f"{stop} at {stamp_ns * 1e-9:.2f} s"
                 self._reference.state = FlightState.FAULT
                 self._reference.rotor_speed = self._reference.wind = 0.0
+                self._reference.excitation = 0
         return self._messages(stamp_ns)
 
     def command(self, name: str) -> tuple[bool, str]:
@@ -183,6 +184,8 @@ class Supervisor:
 
     def _messages(self, stamp_ns: int) -> list[Message]:
         reference = self._reference
-        state = flight_state_values(reference.state, reference.rotor_speed, reference.wind)
+        state = flight_state_values(
+            reference.state, reference.rotor_speed, reference.wind, reference.excitation
+        )
         pose = pose_values(reference.position, Euler(reference.heading, 0.0, 0.0))
         return [Message("flight_state", stamp_ns, state), Message("reference", stamp_ns, pose)]

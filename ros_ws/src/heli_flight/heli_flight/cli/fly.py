@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, InputError
+from heli_common.topics import IDENTIFICATION, OPTIONAL_NODES
 from heli_control.controller_file import load_controller
 from heli_flight.cli.live import LiveProgress
 from heli_flight.flight_hash import bag_hash, count_check
@@ -55,6 +56,14 @@ def add_parser(words: Any) -> None:
     fly.add_argument(
         "--no-real-time-scheduling", action="store_true", help="do not ask for SCHED_FIFO in real time"
     )
+    fly.add_argument(
+        "--with",
+        dest="more",
+        action="append",
+        default=[],
+        choices=OPTIONAL_NODES,
+        help="an optional node that shall fly along though the plan does not ask for it",
+    )
     fly.add_argument("--json", action="store_true", help="print one JSON object instead of text")
     fly.set_defaults(func=run)
 
@@ -98,6 +107,7 @@ def _order(options: argparse.Namespace) -> FlightOrder:
         bag=bag,
         parameters=options.params_file.absolute() if options.params_file else None,
         real_time_scheduling=not options.no_real_time_scheduling,
+        with_identification=IDENTIFICATION in options.more,
     )
 
 

@@ -13,12 +13,12 @@ from rclpy.node import Node
 
 from heli_common.errors import InputError
 from heli_common.nodes.parameters import declare_text
-from heli_common.topics import DATA_TOPICS, RECORDER, TOPICS
+from heli_common.topics import RECORDER, TOPICS, data_topics
 from heli_flight.bag import BagWriter
 from heli_flight.nodes.recorder_program import DIAGNOSTICS, RecorderProgram
 
 
-def build(node: Node, _running: tuple[str, ...]) -> RecorderProgram:
+def build(node: Node, running: tuple[str, ...]) -> RecorderProgram:
     """Declare parameters and open the bag.
 
     Raises:
@@ -29,10 +29,11 @@ def build(node: Node, _running: tuple[str, ...]) -> RecorderProgram:
     if not folder:
         raise InputError("no folder given", allowed="a new folder", key="bag")
     bag = BagWriter(Path(folder), _read_notes(notes))
-    for topic in DATA_TOPICS:
+    recorded = data_topics(running)
+    for topic in recorded:
         bag.add_topic(topic, TOPICS[topic].layout.ros_type)
     bag.add_topic(DIAGNOSTICS, "diagnostic_msgs/msg/DiagnosticArray")
-    return RecorderProgram(node, bag)
+    return RecorderProgram(node, bag, recorded)
 
 
 def _read_notes(path: str) -> dict[str, str]:

@@ -11,7 +11,7 @@ from rclpy.serialization import deserialize_message
 from heli_common.component import Message
 from heli_common.nodes.connection import Connection
 from heli_common.nodes.qos import DATA
-from heli_common.topics import BENCH_SIM, DATA_TOPICS, RECORDER
+from heli_common.topics import BENCH_SIM, RECORDER
 from heli_flight.bag import BagWriter
 from heli_flight.recorder import FlightRecorder
 
@@ -24,13 +24,13 @@ class RecorderProgram:
     """Writes every data topic and diagnostics until the flight has ended and is complete."""
 
     name = RECORDER
-    inputs: tuple[str, ...] = DATA_TOPICS
     outputs: tuple[str, ...] = ("recorder_ack",)
 
-    def __init__(self, node: Node, bag: BagWriter) -> None:
+    def __init__(self, node: Node, bag: BagWriter, topics: tuple[str, ...]) -> None:
+        self.inputs = topics
         self.finished = False
         self._bag = bag
-        self._recorder = FlightRecorder(bag)
+        self._recorder = FlightRecorder(bag, topics)
         self._closing_since = 0.0
         self._said: dict[str, str] = {}
         self._bench_ended = False
