@@ -1,7 +1,7 @@
 """From an estimate to the model file that control design reads, with everything that is known about it.
 
-The identified block replaces that of the prior model file; what the flight does not tell (the other block, the
-rest of the operating point) comes from the prior, and `source` says which is which.
+The identified block replaces that of the prior model file; what the flight does not tell (the other block,
+the rest of the operating point) comes from the prior, and `source` says which is which.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_common.linear_model import OperatingPoint, StateSpace
+from heli_common.linear_model import OperatingPoint
 from heli_common.model_file import ModelFile
 from heli_identification.helicopter_structures import BAR_GAIN, SERVO_ROTOR, VERTICAL
 from heli_identification.prediction_error import Estimate

@@ -19,8 +19,12 @@ from scipy.linalg import expm
 from scipy.signal import dlsim
 
 from heli_common.errors import InputError
+from heli_identification.parametrisation import Noise
+from heli_identification.prediction_error import Estimate
 from heli_identification.records import Record
+from heli_identification.residual_tests import residuals_white
 from heli_identification.structures import Structure, Term
+from heli_identification.uncertainty import weaknesses
 
 Array = NDArray[np.float64]
 
@@ -144,3 +148,51 @@ def _all_states(structure: Structure, record: Record) -> Array:
         _, _, found = dlsim(system, np.hstack((record.y, record.u)))
         states[:, hidden] = found
     return states
+
+
+def regression_estimate(result: LeastSquares, records: Sequence[Record]) -> Estimate:
+    """The regression as an estimate like any other; its residuals are those of the equations.
+
+    Args:
+        result: of `least_squares`.
+        records: it was computed from.
+    """
+    structure = result.structure.with_free(result.names)
+    order = [result.names.index(name) for name in structure.free_names]
+    residuals = tuple(_equation_errors(structure, record) for record in records)
+    moment = np.sum([part.T @ part for part in residuals], axis=0) / sum(len(part) for part in residuals)
+    covariance = result.covariance[np.ix_(order, order)]
+    n = len(structure.states)
+    values = result.values[order]
+    return Estimate(
+        structure=structure,
+        names=structure.free_names,
+        values=values,
+        fisher=covariance,
+        robust=covariance,
+        white=residuals_white(residuals),
+        noise=Noise.OUTPUT_ERROR,
+        noise_names=(),
+        noise_values=np.zeros(0),
+        K=np.zeros((n, len(structure.outputs))),
+        weighting=moment,
+        residuals=residuals,
+        starts=tuple(_all_states(structure, record)[0] for record in records),
+        offsets=tuple(np.zeros(len(structure.outputs)) for _ in records),
+        converged=True,
+        steps=(),
+        weak=weaknesses(
+            structure.free_names, covariance, structure.scales[structure.index(structure.free_names)]
+        ),
+    )
+
+
+def _equation_errors(structure: Structure, record: Record) -> Array:
+    """What Euler's step leaves of every measured state, per step, mean removed, shape (N - 1, p)."""
+    a, b = structure.matrices(structure.values)
+    states = _all_states(structure, record)
+    seen = [structure.states.index(name) for name in structure.outputs]
+    slope = (states[:-1] @ a.T + record.u[:-1] @ b.T)[:, seen]
+    error = np.diff(states[:, seen], axis=0) - record.period * slope
+    centred: Array = error - error.mean(axis=0)
+    return centred
