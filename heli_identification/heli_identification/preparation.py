@@ -167,6 +167,7 @@ def require_excited(record: Record, structure: Structure) -> None:
     order = 2 * (len(structure.states) + 1)
     u = (record.u - record.u.mean(axis=0)) / record.u.std(axis=0)
     lags = np.hstack([u[lag : len(u) - order + lag] for lag in range(order)])
+    lags -= lags.mean(axis=0)
     strengths = np.linalg.svd(lags / np.sqrt(len(lags)), compute_uv=False)
     if strengths[-1] < 1e-9 * strengths[0]:
         allowed = "noise, PRBS, multisine, or inputs that move independently"
