@@ -50,8 +50,8 @@ _LQ_PLANT = (
 )
 _LQ_PEAK = "static gains on nearly integrating paths leave no peak above 1 dB; the identified plant had one"
 _ATTITUDE = (
-    "the paths of one input are tied, for velocity is the integral of g times the angle: with the printed "
-    "weights and u and v near 7 rad/s the angle's path crosses at 5 rad/s; no weights were found that give both"
+    "the paths of an input are tied, for velocity is the integral of g times the angle: with the printed "
+    "weights and u and v near 7 rad/s the angle's path crosses at 5 rad/s; no weights were found for both"
 )
 
 

@@ -11,7 +11,18 @@ from heli_flight.cli import interrupts  # first: everything else takes a while t
 
 # isort: split
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_INTERRUPTED, InputError
-from heli_flight.cli import bag, design, exchange, fly, model, navigation, parameters, replay, report
+from heli_flight.cli import (
+    bag,
+    design,
+    exchange,
+    fly,
+    identify,
+    model,
+    navigation,
+    parameters,
+    replay,
+    report,
+)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -21,7 +32,7 @@ def parser() -> argparse.ArgumentParser:
         description="Helicopter test bench: fly plans, look at models, design controllers, read bags.",
     )
     words = top.add_subparsers(dest="word", required=True, metavar="COMMAND")
-    for part in (fly, model, design, exchange, navigation, report, bag, replay, parameters):
+    for part in (fly, model, design, exchange, navigation, report, bag, replay, parameters, identify):
         part.add_parser(words)
     return top
 

@@ -1,0 +1,278 @@
+"""Identification on the linear twin: are claimed errors true, how near is the Cramer-Rao bound, what does
+it cost.
+
+Run: python benchmarks/identification.py [--seeds N] [--workers N] [--json] [--approaches] [--peers PYTHON].
+Flies the servo-rotor model with the arms' friction in closed loop, 60 s at 100 Hz, under a PRBS on both
+cyclics, with gusts and the navigation's noise, once for each seed, and estimates every flight from
+perturbed start values. --approaches compares direct, projection, indirect and joint approach in white and
+in coloured gusts instead. --peers names a Python that has sippy-unipi; its ARMAX is timed on the same data.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from math import radians
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from heli_common.errors import InputError
+from heli_identification.cramer_rao import bound
+from heli_identification.helicopter_structures import SERVO_ROTOR
+from heli_identification.indirect import indirect
+from heli_identification.linear_twin import Disturbance, Twin, lq_feedback
+from heli_identification.prediction_error import Estimate, prediction_error
+from heli_identification.projection import projection
+from heli_identification.records import Record
+from heli_identification.structures import Structure
+from heli_identification.uncertainty import QUANTILE_95
+
+PERIOD, SECONDS, DELAY = 0.01, 60.0, 1
+PEER_SCRIPT = Path(__file__).parent / "identification_peers.py"
+
+FRICTION = {"X_u": -0.0148 - 7.7 / 7.3, "Y_v": -0.0148 - 8.6 / 7.3}
+"""Speed damping with the arms' viscous friction on 7.3 kg (spec 2.1)."""
+
+GUST = {"u": 0.003, "v": 0.003, "q": 0.01, "p": 0.01}
+"""Process noise per step, standard deviation [m/s, rad/s]."""
+NOISE = {"theta": 1e-3, "phi": 1e-3, "u": 5e-3, "v": 5e-3, "q": 1e-2, "p": 1e-2}
+"""Measurement noise, standard deviation [rad, m/s, rad/s]: about that of the navigation."""
+GUST_TIME = 0.5
+"""Correlation time of coloured gusts [s]."""
+START_ERROR = 0.2
+"""Relative standard deviation of the start values."""
+AMPLITUDE = radians(0.8)
+"""Of the PRBS on each cyclic."""
+APPROACHES = ("direct", "projection", "indirect", "joint")
+
+
+def truth() -> Structure:
+    """The bench's horizontal motion within the structure, friction included."""
+    return SERVO_ROTOR.with_values(FRICTION)
+
+
+def twin(correlation_time: float = 0.0) -> Twin:
+    """The closed loop."""
+    structure = truth()
+    process = np.array([GUST.get(name, 0.0) for name in structure.states])
+    measurement = np.array([NOISE[name] for name in structure.outputs])
+    feedback = lq_feedback(structure, PERIOD)
+    return Twin(structure, feedback, Disturbance(process, measurement, correlation_time), PERIOD, DELAY)
+
+
+def excitation(rng: np.random.Generator, seconds: float = SECONDS) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Independent random binary signals on both cyclics, held for 80 ms [rad], shape (N, 2)."""
+    count, hold = round(seconds / PERIOD), 8
+    signs = rng.choice([-1.0, 1.0], size=(count // hold + 1, 2))
+    return AMPLITUDE * np.repeat(signs, hold, axis=0)[:count]
+
+
+def flight(seed: int, correlation_time: float = 0.0) -> Record:
+    """The data of one seed."""
+    rng = np.random.default_rng([seed, 6])
+    return twin(correlation_time).fly(excitation(rng), rng, f"seed {seed}")
+
+
+def start(seed: int) -> Structure:
+    """The structure with perturbed values."""
+    rng, structure = np.random.default_rng([seed, 7]), truth()
+    index = structure.index(structure.free_names)
+    moved = structure.values[index] * (1.0 + START_ERROR * rng.standard_normal(len(index)))
+    return structure.with_values(dict(zip(structure.free_names, moved.tolist(), strict=True)))
+
+
+def estimated(approach: str, seed: int, record: Record) -> Estimate:
+    """An estimate by one approach."""
+    if approach == "direct":
+        return prediction_error(start(seed), [record])
+    if approach == "projection":
+        return projection(start(seed), [record])
+    feedback = lq_feedback(truth(), PERIOD)
+    return indirect(start(seed), [record], feedback, delay=DELAY, joint=approach == "joint")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One estimate; errors, bounds: standard errors claimed and smallest possible; None if it failed."""
+
+    seed: int
+    seconds: float
+    values: tuple[float, ...] | None
+    errors: tuple[float, ...] = ()
+    bounds: tuple[float, ...] = ()
+    white: bool = True
+    failure: str = ""
+
+
+def trial(job: tuple[str, int, float]) -> Trial:
+    """Fly and estimate one seed."""
+    approach, seed, correlation_time = job
+    record = flight(seed, correlation_time)
+    begin = perf_counter()
+    try:
+        found = estimated(approach, seed, record)
+    except InputError as error:
+        return Trial(seed, perf_counter() - begin, None, failure=error.problem)
+    used = perf_counter() - begin
+    if not found.converged:
+        return Trial(seed, used, None, failure="did not converge")
+    bounds = np.sqrt(np.diag(bound(twin(correlation_time), record)))
+    return Trial(
+        seed,
+        used,
+        tuple(found.values.tolist()),
+        tuple(found.errors.tolist()),
+        tuple(bounds.tolist()),
+        found.white,
+    )
+
+
+def fly(jobs: list[tuple[str, int, float]], workers: int, console: Console) -> list[Trial]:
+    """All trials; tells how far it is."""
+    found: list[Trial] = []
+    begin = perf_counter()
+    with ProcessPoolExecutor(workers) as pool:
+        for done, result in enumerate(pool.map(trial, jobs), 1):
+            found.append(result)
+            left = (len(jobs) - done) * (perf_counter() - begin) / done
+            if done % 5 == 0 or done == len(jobs):
+                console.print(f"{done} of {len(jobs)} estimates, about {left:.0f} s left", highlight=False)
+    return found
+
+
+def statistics(trials: list[Trial]) -> dict[str, Any]:
+    """Bias, spread, claims and coverage by coefficient, pooled coverage, time and failures."""
+    good = [each for each in trials if each.values is not None]
+    failures = [f"seed {each.seed}: {each.failure}" for each in trials if each.values is None]
+    if len(good) < 2:
+        return {"failures": failures, "parameters": {}, "estimates": len(good)}
+    structure = truth()
+    true = structure.values[structure.index(structure.free_names)]
+    values = np.array([each.values for each in good])
+    errors, bounds = np.array([each.errors for each in good]), np.array([each.bounds for each in good])
+    inside = np.abs(values - true) <= QUANTILE_95 * errors
+    parameters = {}
+    for index, name in enumerate(structure.free_names):
+        spread, least = float(values[:, index].std(ddof=1)), float(np.sqrt(np.mean(bounds[:, index] ** 2)))
+        parameters[name] = {
+            "true": float(true[index]),
+            "bias": float(values[:, index].mean() - true[index]),
+            "spread": spread,
+            "claimed": float(errors[:, index].mean()),
+            "cramer_rao": least,
+            "spread_by_bound": spread / least,
+            "inside": int(inside[:, index].sum()),
+        }
+    return {
+        "estimates": len(good),
+        "parameters": parameters,
+        "pooled_inside": float(inside.mean()),
+        "white": int(sum(each.white for each in good)),
+        "seconds_median": median(each.seconds for each in good),
+        "failures": failures,
+    }
+
+
+def speed() -> float:
+    """Best of five estimates of 60 s after compilation [s]."""
+    record = flight(1)
+    times = []
+    for _ in range(5):
+        begin = perf_counter()
+        prediction_error(start(1), [record])
+        times.append(perf_counter() - begin)
+    return min(times)
+
+
+def peer(python: str) -> dict[str, Any]:
+    """What SIPPY's ARMAX takes and fits on the data of seed 1, in an environment of its own."""
+    record = flight(1)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "record.npz"
+        np.savez(path, u=record.u, y=record.y, period=record.period)
+        answer = subprocess.run(
+            [python, str(PEER_SCRIPT), str(path)], capture_output=True, text=True, check=False
+        )
+    try:
+        found: dict[str, Any] = json.loads(answer.stdout.strip().splitlines()[-1])
+    except (IndexError, json.JSONDecodeError):
+        found = {"missing": (answer.stderr.strip().splitlines() or ["no answer"])[-1]}
+    return found
+
+
+def show(title: str, found: dict[str, Any]) -> None:
+    """Print statistics as a table."""
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=120)
+    table = Table("coefficient", title=f"{title}: {found['estimates']} estimates")
+    for column in ("true", "bias", "spread", "claimed", "bound", "spread / bound", "inside 95 %"):
+        table.add_column(column, justify="right")
+    for name, row in found["parameters"].items():
+        numbers = [f"{row[key]:.4g}" for key in ("true", "bias", "spread", "claimed", "cramer_rao")]
+        table.add_row(
+            name, *numbers, f"{row['spread_by_bound']:.2f}", f"{row['inside']} of {found['estimates']}"
+        )
+    console.print(table)
+    if found["parameters"]:
+        console.print(
+            f"pooled inside {100.0 * found['pooled_inside']:.1f} %, white residuals {found['white']}, "
+            f"median time {found['seconds_median']:.2f} s"
+        )
+    for failure in found["failures"]:
+        console.print(f"failed: {failure}")
+
+
+def main() -> None:
+    """Fly, estimate, print."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument(
+        "--twin", action="store_true", help="the linear twin (the only data there are, so far)"
+    )
+    parser.add_argument("--seeds", type=int, default=50, help="flights (default: 50)")
+    parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
+    parser.add_argument("--approaches", action="store_true", help="compare the four approaches")
+    parser.add_argument("--peers", metavar="PYTHON", help="a Python that has sippy-unipi")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    options = parser.parse_args()
+    if options.seeds < 2:
+        parser.error(f"--seeds {options.seeds} is less than 2")
+    told, seeds = Console(stderr=True), range(1, options.seeds + 1)
+    result: dict[str, Any] = {}
+    if options.approaches:
+        for gust, time in (("white", 0.0), ("coloured", GUST_TIME)):
+            for approach in APPROACHES:
+                told.print(f"{approach}, {gust} gusts", highlight=False)
+                trials = fly([(approach, seed, time) for seed in seeds], options.workers, told)
+                result[f"{approach}, {gust} gusts"] = statistics(trials)
+    else:
+        trials = fly([("direct", seed, 0.0) for seed in seeds], options.workers, told)
+        result["direct, white gusts"] = statistics(trials)
+    tables = dict(result)
+    result["seconds_for_60_s"] = speed()
+    if options.peers:
+        result["sippy_armax"] = peer(options.peers)
+    if options.json:
+        sys.stdout.write(json.dumps(result, indent=2) + "\n")
+        return
+    for title, found in tables.items():
+        show(title, found)
+    said = Console(highlight=False)
+    said.print(f"servo-rotor structure, 60 s at 100 Hz: {result['seconds_for_60_s']:.2f} s (best of 5)")
+    if options.peers:
+        said.print(f"SIPPY ARMAX on the same data: {result['sippy_armax']}")
+
+
+if __name__ == "__main__":
+    main()
