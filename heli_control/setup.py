@@ -7,7 +7,7 @@ setup(
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
     package_dir={"": "."},
-    package_data={"heli_control": ["py.typed", "controllers/*.yaml"]},
+    package_data={"heli_control": ["py.typed", "controllers/*.yaml", "weights/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/heli_control"]),
         ("share/heli_control", ["package.xml"]),
