@@ -51,7 +51,7 @@ def lq_loop(timing: LoopTiming | None = None) -> SampledLoop:
         weights.command_delay,
     )
     plant = with_friction(MODEL.horizontal, {"u": 7.7, "v": 8.6}, 7.3)
-    return SampledLoop(plant, controller_block(design), timing or LoopTiming())
+    return SampledLoop(plant, controller_block(design).system, timing or LoopTiming())
 
 
 def twin(loop: SampledLoop, start: np.ndarray, frames: int, step_ns: int) -> np.ndarray:
