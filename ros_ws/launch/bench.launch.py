@@ -21,7 +21,9 @@ ARGUMENTS = (
         "plan", default_value="", description="shipped plan or plan file; empty: wait for services"
     ),
     DeclareLaunchArgument(
-        "controller", default_value="lq", description="in place of the plan's first: shipped controller or file"
+        "controller",
+        default_value="lq",
+        description="in place of the plan's first: shipped controller or file",
     ),
     DeclareLaunchArgument(
         "mode", default_value="realtime", choices=["realtime", "lockstep"], description="way of running"
