@@ -33,6 +33,20 @@ phases:
   - run_down: {duration: 0.5}
 """
 
+STEP = """
+name: one_step
+about: one step for a test
+seed: 1
+controller: lq
+phases:
+  - home: {}
+  - run_up: {duration: 4.0}
+  - take_off: {height: 0.0, speed: 0.5}
+  - step: {axis: x, amplitude: 0.10, duration: 3.0}
+  - land: {speed: 0.4}
+  - run_down: {duration: 0.5}
+"""
+
 REQUEST = """
 import sys
 import rclpy
@@ -137,11 +151,25 @@ def test_another_controller_by_service_while_flying(heli, wait_for):
 
 def test_a_node_of_ones_own_flies(heli):
     assert len(TEMPLATE.read_text().splitlines()) <= 60
-    flight = fly(heli, "short_hover", "lockstep", "mine", "--replace", f"attitude_controller={TEMPLATE}")
+    (heli.folder / "step.yaml").write_text(STEP)
+    flight = fly(heli, "step.yaml", "lockstep", "mine", "--replace", f"attitude_controller={TEMPLATE}")
     assert flight["lost_messages"] == 0
     (step,) = flight["metrics"]["steps"]
     assert step["rise_time_s"] < 2.0
     assert abs(step["final_error_m"]) < 0.01
-    (hover,) = flight["metrics"]["hover"]
-    assert hover["max_xy_m"] < 0.03
-    assert flight["sha256"] != fly(heli, "short_hover", "inprocess", "ours")["sha256"]
+    assert step["overshoot_percent"] < 10.0
+    # it is another program that flew, with rounded gains
+    assert flight["sha256"] != fly(heli, "step.yaml", "inprocess", "ours")["sha256"]
+
+
+def test_a_program_in_place_of_a_node_is_refused_by_name(heli):
+    for mode, word, said in (
+        ("lockstep", "autopilot=x.py", "--replace: 'autopilot' is no node (allowed: bench_sim, navigation"),
+        ("lockstep", "navigation=absent.py", "--replace navigation: 'absent.py' is no file (allowed: NODE=P"),
+        ("inprocess", f"navigation={TEMPLATE}", "--replace: in mode inprocess (allowed: realtime, lockstep"),
+    ):
+        ran = heli("fly", "short_hover", "--mode", mode, "--replace", word)
+        assert ran.returncode == 2
+        assert said in ran.stderr
+        assert len(ran.stderr.splitlines()) == 1
+    assert not (heli.folder / "flights").exists()

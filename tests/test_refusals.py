@@ -1,10 +1,13 @@
 """Bad input is one clear line and exit code 2, before anything moves and with nothing half-written."""
 
+import dataclasses
 import sys
 
 import pytest
 
 from heli_control.controller_file import load_controller
+from heli_control.motor_controller_file import load_motor_controller
+from heli_flight.plan import load_plan
 
 
 def refused(heli, *words):
@@ -16,6 +19,18 @@ def refused(heli, *words):
     assert len(lines) == 1, lines
     assert not (heli.folder / "flights").exists()
     return lines[0]
+
+
+def run_node(heli, name, *parameters):
+    """The one line of a node that refuses its parameters."""
+    words = [word for parameter in parameters for word in ("-p", parameter)]
+    process = heli.start_process(
+        sys.executable, "-m", f"heli_control.nodes.{name}_node", "--ros-args", *words
+    )
+    out, error = process.communicate(timeout=60)
+    assert (process.returncode, out) == (2, "")
+    assert len(error.splitlines()) == 1
+    return error
 
 
 def test_an_unknown_plan_names_those_there_are(heli):
@@ -58,6 +73,36 @@ def test_a_missing_or_corrupt_controller_file(heli):
         (heli.folder / "bad.yaml").write_text(bad)
         line = refused(heli, "fly", "short_hover", "--controller", "bad.yaml", "--mode", "lockstep")
         assert words in line
+
+
+def test_a_controller_for_another_plant(heli):
+    other = dataclasses.replace(load_controller("lq"), plant_hash="0" * 64)
+    other.write(heli.folder / "other.yaml")
+    assert heli("model", "linearize", "--out", "m.yaml").returncode == 0
+    line = refused(heli, "fly", "short_hover", "--plant", "m.yaml", "--controller", "other.yaml")
+    assert f"other.yaml: plant.hash: '{'0' * 64}' is another plant" in line
+    assert load_controller("lq").plant_hash in line
+    # a node of its own says the same
+    ran = run_node(heli, "attitude_controller", "controller:=other.yaml", f"plant:='{'1' * 64}'")
+    assert f"other.yaml: plant.hash: '{'0' * 64}' is another plant" in ran
+
+
+def test_a_wrong_controller_of_a_later_phase_is_refused_before_anything_flies(heli):
+    plan = (
+        load_plan("short_hover").to_yaml().replace("duration: 3.0}", "duration: 3.0, controller: nosuch}", 1)
+    )
+    (heli.folder / "plan.yaml").write_text(plan)
+    assert "'nosuch' is no controller" in refused(heli, "fly", "plan.yaml", "--mode", "inprocess")
+    assert "'nosuch' is no controller" in run_node(heli, "attitude_controller", "plan_controllers:=lq,nosuch")
+
+
+def test_a_missing_or_wrong_motor_controller_file(heli):
+    assert "absent.yaml" in refused(heli, "fly", "short_hover", "--motor", "absent.yaml")
+    good = load_motor_controller("motor").to_yaml()
+    (heli.folder / "bad.yaml").write_text(good.replace("gain: 0.1", "gain: -0.1"))
+    line = refused(heli, "fly", "short_hover", "--motor", "bad.yaml", "--mode", "inprocess")
+    assert "bad.yaml: gain: -0.1 is out of range (allowed: 0 .. 10 V s/rad)" in line
+    assert "bad.yaml: gain: -0.1" in run_node(heli, "motor_controller", "controller:=bad.yaml")
 
 
 def test_a_bag_that_exists_is_not_overwritten(heli):

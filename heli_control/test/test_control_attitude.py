@@ -51,8 +51,8 @@ def only(axis: str, signal: str, output: str, gain: float) -> ControllerFile:
 class Driver:
     """Feeds a component sample after sample."""
 
-    def __init__(self, controller: ControllerFile, parameters: AttitudeParameters = PARAMETERS) -> None:
-        self.component = AttitudeController(controller, parameters)
+    def __init__(self, *controllers: ControllerFile) -> None:
+        self.component = AttitudeController(controllers[0], PARAMETERS, controllers[1:])
         self.tick = 0
 
     def step(
@@ -62,12 +62,13 @@ class Driver:
         yaw_rate: float = 0.0,
         flight: FlightState = FlightState.FLYING,
         known: bool = True,
+        planned: int = 0,
     ) -> tuple[float, ...]:
         stamp = self.tick * CONTROL_PERIOD_NS
         self.tick += 1
         variance = (1e-6 if known else UNKNOWN_VARIANCE,) * 6
         receive = self.component.receive
-        assert receive("flight_state", stamp, flight_state_values(flight, 163.0)) == []
+        assert receive("flight_state", stamp, flight_state_values(flight, 163.0, controller=planned)) == []
         assert receive("velocity_reference", stamp, twist_values(velocity, (0.0, 0.0, yaw_rate))) == []
         (message,) = receive("odometry", stamp, odometry_values(state, variance, variance))
         assert (message.topic, message.stamp_ns) == ("servo_command", stamp)
@@ -221,6 +222,31 @@ def test_the_first_command_of_another_controller_is_the_one_before() -> None:
         before = driver.step(state)
     driver.component.replace(design_lq(MODEL, replace(LqWeights(), u=20.0, w=5.0)))
     assert driver.step(state) == pytest.approx(before, abs=1e-9)
+
+
+def test_the_plan_says_by_stamp_which_controller_flies() -> None:
+    other = replace(design_lq(MODEL, replace(LqWeights(), u=4.0)), name="other")
+    driver = Driver(LQ, other).engaged()
+    assert driver.component.exchanged is None
+    driver.step(planned=1)
+    assert driver.component.exchanged == ((driver.tick - 1) * CONTROL_PERIOD_NS, "other")
+    driver.component.replace(STATIC)  # in between: until the plan changes its own
+    driver.step(planned=1)
+    driver.step(planned=1)
+    assert driver.component.exchanged == ((driver.tick - 2) * CONTROL_PERIOD_NS, "lq")
+    driver.step(planned=0)
+    assert driver.component.exchanged == ((driver.tick - 1) * CONTROL_PERIOD_NS, "lq")
+    for planned in (2, 0.5, -1):
+        with pytest.raises(
+            ValueError, match=rf"flight_state: position\.controller {planned}.* is none of 0 \.\. 1"
+        ):
+            driver.step(planned=planned)  # type: ignore[arg-type]
+
+
+def test_every_controller_of_the_plan_is_checked_at_the_start() -> None:
+    impossible = replace(LQ, name="later", operating_point=replace(POINT, theta_0=0.5))
+    with pytest.raises(InputError, match=r"later: operating_point\.theta_0"):
+        Driver(LQ, impossible)
 
 
 def test_replacing_on_the_ground_is_at_once() -> None:

@@ -129,6 +129,16 @@ def test_every_command_is_given_once() -> None:
         replace(controller(), vertical=gain(("w",), ("A_1s",)))
 
 
+def test_a_controller_for_another_plant_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    controller().write(path)
+    assert load_controller(str(path), "0" * 64).name == "mixed"
+    with pytest.raises(InputError) as refused:
+        load_controller(str(path), "1" * 64)
+    said = f"{path}: plant.hash: '{'0' * 64}' is another plant (hover) (allowed: {'1' * 64})"
+    assert str(refused.value) == said
+
+
 def test_controllers_are_found_by_name_or_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert "lq" in shipped_controllers()
     assert load_controller("lq").kind == "lq"

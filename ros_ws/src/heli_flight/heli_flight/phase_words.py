@@ -12,7 +12,7 @@ from typing import Any
 
 from heli_common.errors import InputError
 from heli_common.quantities import Quantity, about, check_number
-from heli_flight.plan_file import refuse_unknown, text_at
+from heli_flight.plan_file import controller_at, refuse_unknown
 from heli_flight.plan_phases import (
     AXES,
     Excite,
@@ -137,11 +137,4 @@ def _read_step(settings: Mapping[str, object], file: str | None, key: str) -> St
 
 def _controller(settings: Mapping[str, object], file: str | None, key: str) -> str | None:
     """The controller named, if any."""
-    if _CONTROLLER not in settings:
-        return None
-    name = text_at(settings, _CONTROLLER, file, f"{key}.")
-    if "," in name:
-        raise InputError(
-            f"{name!r} holds a comma", allowed="a name or path without", file=file, key=f"{key}.controller"
-        )
-    return name
+    return controller_at(settings, file, f"{key}.") if _CONTROLLER in settings else None

@@ -46,7 +46,7 @@ from heli_bench_sim.faults import Fault
 from heli_common.errors import InputError
 from heli_flight.bag_metadata import dump_yaml
 from heli_flight.phase_words import phase_mapping, read_phase
-from heli_flight.plan_file import integer_at, read_mapping, read_text, refuse_unknown, text_at
+from heli_flight.plan_file import controller_at, integer_at, read_mapping, read_text, refuse_unknown, text_at
 from heli_flight.plan_phases import (
     Excite,
     Home,
@@ -194,7 +194,7 @@ def parse_plan(text: str, file: str | None = None) -> Plan:
         allowed = "up to 60 letters, digits, _ and -"
         raise InputError(f"{name!r} is no name", allowed=allowed, file=file, key="name")
     seed = integer_at(document, "seed", 0, 2**32 - 1, file)
-    about_it, controller = text_at(document, "about", file), text_at(document, "controller", file)
+    about_it, controller = text_at(document, "about", file), controller_at(document, file)
     entries = document.get("phases")
     if not isinstance(entries, list) or not entries:
         raise InputError(f"{entries!r} is no list of phases", allowed="- home: {}", file=file, key="phases")

@@ -92,6 +92,20 @@ def text_at(document: Mapping[str, object], key: str, file: str | None, place: s
     return value
 
 
+def controller_at(document: Mapping[str, object], file: str | None, place: str = "") -> str:
+    """The controller that must stand under `controller`; a comma would part two of them for their node.
+
+    Raises:
+        InputError: it is missing, empty, no text, or holds a comma.
+    """
+    name = text_at(document, "controller", file, place)
+    if "," in name:
+        raise InputError(
+            f"{name!r} holds a comma", allowed="one controller", file=file, key=f"{place}controller"
+        )
+    return name
+
+
 def integer_at(document: Mapping[str, object], key: str, minimum: int, maximum: int, file: str | None) -> int:
     """The integer that must stand under a key.
 

@@ -1,5 +1,6 @@
 """The supervisor against a helicopter that does exactly as told, and against one that does not."""
 
+import dataclasses
 import itertools
 import math
 
@@ -106,6 +107,19 @@ def test_references_of_the_steps_are_those_of_the_plan():
     assert steps == [(0.3, 0.0), (-0.3, 0.0), (0.0, 0.3), (0.0, -0.3)]
     climb = [b[2] - a[2] for a, b in itertools.pairwise(flown)]
     assert min(climb) == pytest.approx(-0.15 * 0.01, abs=1e-9)
+
+
+def test_the_controller_is_said_by_number_from_the_start_of_its_phase():
+    plan = load_plan("hover_steps")
+    home, run_up, take_off, hover, one, two, *rest = plan.phases
+    one, two = dataclasses.replace(one, controller="gst"), dataclasses.replace(two, controller="lq")
+    plan = dataclasses.replace(plan, phases=(home, run_up, take_off, hover, one, two, *rest))
+    flight = Obedient(Supervisor(FlightLimits(), plan))
+    flight.run()
+    changes = [k for k, (a, b) in enumerate(itertools.pairwise(flight.controllers), 1) if a != b]
+    assert [flight.controllers[k] for k in changes] == [1.0, 0.0]
+    jumps = [k for k, (a, b) in enumerate(itertools.pairwise(flight.references), 1) if a[0] != b[0]]
+    assert changes == jumps  # the steps themselves
 
 
 def test_not_homed_is_not_flown():

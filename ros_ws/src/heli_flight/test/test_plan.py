@@ -216,6 +216,37 @@ WINDY = GOOD.replace("duration: 4.0", "duration: 4.0, wind_m_s: 1, wind_to_m_s: 
 )
 
 
+def test_controllers_of_phases() -> None:
+    text = GOOD.replace("duration: 4.0", "duration: 4.0, controller: gst").replace(
+        "land:", "land: {controller: lq}"
+    )
+    text = text.replace("amplitude: 0.3}", "amplitude: 0.3, controller: mine/a.yaml}")
+    plan = parse_plan(text)
+    assert plan.controllers == ("lq", "gst", "mine/a.yaml")
+    assert [phase.controller for phase in plan.phases[3:7]] == ["gst", "mine/a.yaml", None, "lq"]
+    assert parse_plan(plan.to_yaml()) == plan
+    assert parse_plan(GOOD).controllers == ("lq",)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ("duration: 4.0", "controller: 3", "phases[3].hover.controller: 3 is no text"),
+        ("duration: 4.0", "controller: ''", "phases[3].hover.controller: '' is no text"),
+        (
+            "amplitude: 0.3",
+            "amplitude: 0.3, controller: 'a,b'",
+            "phases[4].step.controller: 'a,b' holds a comma",
+        ),
+        ("controller: lq", "controller: a,b", "controller: 'a,b' holds a comma (allowed: one controller)"),
+    ],
+)
+def test_a_controller_that_is_none(before: str, after: str, words: str) -> None:
+    with pytest.raises(InputError) as refused:
+        parse_plan(GOOD.replace(before, after))
+    assert words in str(refused.value)
+
+
 def test_wind() -> None:
     plan = parse_plan(WINDY)
     calm = parse_plan(GOOD)
