@@ -7,10 +7,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from heli_common.compiled_messages import write_odometry
 from heli_common.records import boxed, packed
 from heli_common.rig_geometry import RigGeometry
 from heli_navigation.filter_memory import SIZE, Estimate, Memory, Work, blank_memory
-from heli_navigation.filter_outputs import TWIST, Output, read_covariance, read_motion
+from heli_navigation.filter_outputs import (
+    TWIST,
+    BiasMessage,
+    Output,
+    read_alarms,
+    read_biases,
+    read_covariance,
+    read_motion,
+    read_odometry,
+)
 from heli_navigation.filter_parameters import FilterParameters, filter_constants
 from heli_navigation.strapdown import orient
 
@@ -104,3 +114,39 @@ def test_without_imu_the_rates_are_estimates() -> None:
     covariance = memory[Memory.covariance : Memory.gyro].reshape(SIZE, SIZE)
     assert covariances(memory)[1][3:, 3:] == pytest.approx(covariance[9:12, 9:12])
     assert math.isfinite(covariance.sum())
+
+
+def test_the_odometry_is_motion_and_covariances() -> None:
+    memory, said, values, wanted = some_memory(2), np.zeros(Output.end), np.zeros(85), np.zeros(85)
+    read_odometry(memory, BOX, np.zeros(Work.end), np.zeros(TWIST * SIZE), said, values)
+    write_odometry(np.concatenate([motion(memory), *(part.ravel() for part in covariances(memory))]), wanted)
+    assert values.tolist() == wanted.tolist()
+
+
+def test_biases_by_hand_and_those_from_before_the_imu_fell_silent() -> None:
+    memory, values = blank_memory(), np.full(BiasMessage.end, 7.0)
+    memory[Estimate.gyro_bias : Estimate.end] = np.arange(1.0, 7.0)
+    for error in range(6):
+        memory[Memory.covariance + (SIZE + 1) * (Estimate.gyro_bias + error)] = (error + 1.0) ** 2
+    read_biases(memory, BOX, values)
+    assert values.tolist() == [1.0, -2.0, -3.0, 4.0, -5.0, -6.0, *[7.0] * 6, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    memory[Memory.coasting], memory[Memory.coasted] = 1.0, 100.0
+    memory[Memory.kept_bias : Memory.kept_variance], memory[Memory.kept_variance : Memory.jumps] = 0.5, 1e-6
+    read_biases(memory, BOX, values)
+    assert values[:6].tolist() == [0.5, -0.5, -0.5, 4.0, -5.0, -6.0]
+    assert values[12:15] == pytest.approx([math.sqrt(1e-6 + 100.0 * CONSTANTS.gyro_walk)] * 3)
+    assert values[15:].tolist() == [4.0, 5.0, 6.0]
+
+
+def test_every_alarm_has_a_number_of_its_own() -> None:
+    places = [Memory.coasting, *(Memory.lost + encoder for encoder in range(6)), Memory.jumps]
+    seen = {read_alarms(blank_memory())}
+    assert seen == {0}
+    for first in places:
+        for second in places:
+            memory = blank_memory()
+            memory[first] = memory[second] = 1.0
+            seen.add(read_alarms(memory))
+    memory[Memory.jumps + 2] = 1.0  # a second jump, in another axis
+    seen.add(read_alarms(memory))
+    assert len(seen) == 2 + 8 + 8 * 7 // 2

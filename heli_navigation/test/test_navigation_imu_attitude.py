@@ -14,8 +14,8 @@ from scipy.stats import chi2
 from heli_common.compiled import compiled
 from heli_common.quantities import about
 from heli_common.records import boxed, packed
-from heli_common.rotations import Euler, matrix_from_euler
-from heli_common.vehicle_state import UNKNOWN_VARIANCE
+from heli_common.rotations import Euler, Quaternion, matrix_from_euler
+from heli_common.vehicle_state import UNKNOWN_VARIANCE, attitude_ned
 from heli_navigation.imu_attitude import LARGEST, STEEPEST, ImuAttitude, attitude_step
 from heli_navigation.imu_attitude_equations import ROWS, AttitudeMemory, cell, correct, euler_rates, predict
 from heli_navigation.imu_attitude_parameters import (
@@ -683,3 +683,17 @@ def test_memory_is_a_copy_and_whole() -> None:
     for filter_, box in ((one, one._box), (other, constants)):
         follow(filter_._memory, readings, box, np.empty((len(readings), 12)))
     assert np.array_equal(one.memory, other.memory)
+
+
+def test_message_is_what_the_filter_knows() -> None:
+    filter_ = ImuAttitude()
+    filter_.step(STILL, LEVEL)
+    assert filter_.message[4:13].reshape(3, 3).tolist() == (UNKNOWN_VARIANCE * np.eye(3)).tolist()
+    filter_.align(0.3, 0.1, -0.2)
+    filter_.step((0.1, 0.2, 0.3), LEVEL)
+    said, bias, sigma = filter_.message, filter_.bias, filter_.sigma
+    assert attitude_ned(Quaternion(*said[:4].tolist())) == pytest.approx(filter_.attitude)
+    assert said[13:16] == pytest.approx((0.1 - bias[0], bias[1] - 0.2, bias[2] - 0.3))
+    assert said[[4, 8, 12, 16]] == pytest.approx(np.square([sigma[1], sigma[2], sigma[0], sigma[3]]))
+    filter_.step(STILL, LEVEL, valid=False)
+    assert not filter_.message[13:16].any()

@@ -7,7 +7,7 @@ setup(
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
     package_dir={"": "."},
-    package_data={"heli_common": ["py.typed"]},
+    package_data={"heli_common": ["py.typed", "nodes/fastdds.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/heli_common"]),
         ("share/heli_common", ["package.xml"]),

@@ -6,9 +6,11 @@ ends on a flag that its own signal handlers set, so that a node can drain what i
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Protocol
 
 from heli_common.nodes.signals import STOP
@@ -35,6 +37,9 @@ from heli_common.nodes.connection import Connection  # noqa: E402
 from heli_common.nodes.parameters import declare_integer, declare_names  # noqa: E402
 from heli_common.nodes.scheduling import become_real_time  # noqa: E402
 from heli_common.topics import TOPICS  # noqa: E402
+
+MIDDLEWARE = Path(__file__).with_name("fastdds.xml")
+"""Settings of the middleware, unless the environment names others."""
 
 TURN_SECONDS = 0.1
 WIRING_SECONDS = 0.01
@@ -137,6 +142,7 @@ def run_node(name: str, build: Build, arguments: list[str] | None = None) -> int
     """
     words = sys.argv if arguments is None else [name, *arguments]
     quiet = ["--ros-args", "--disable-stdout-logs", "--disable-external-lib-logs"]
+    os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(MIDDLEWARE))
     try:
         rclpy.init(args=[*words, *quiet], signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy has a class of its own for each kind of wrong argument
