@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from heli_bench_sim.bench import Bench
 from heli_bench_sim.fault_request import fault_from_text
-from heli_bench_sim.superposition import Superposition
+from heli_bench_sim.superposition import STALE_NS, Superposition
 from heli_bench_sim.validity import Violation
 from heli_common.component import Message
 from heli_common.errors import SafetyStop
@@ -66,7 +66,7 @@ class BenchSimulator:
     def __init__(self, bench: Bench, excited: bool = False) -> None:
         self.bench = bench
         if excited:
-            self.inputs = (*self.inputs, "excitation")
+            self.inputs = (*self.inputs, "excitation", "motor_excitation")
         self.stamp_ns = -SENSOR_PERIOD_NS
         self.late = dict.fromkeys(self.inputs, 0)
         self.ended_at: int | None = None
@@ -74,6 +74,7 @@ class BenchSimulator:
         self.newest = dict.fromkeys(self.inputs, -1)
         self.left_regime: dict[str, tuple[int, Violation]] = {}
         self._link = Superposition(excited)
+        self._motor_added = 0.0
         self._imu_variances = bench.imu_variances
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
@@ -119,8 +120,7 @@ class BenchSimulator:
         for topic in self.inputs:
             if self.newest[topic] < due_ns:
                 self.late[topic] += 1
-        if (motor := self._take("motor_command", due_ns)) is not None:
-            self.bench.set_motor_voltage(motor[2])
+        self._set_motor(due_ns)
         if (stage := self._take("flight_state", due_ns)) is not None:
             state = flight_state_from_code(stage[0])
             self.bench.set_homing(state is FlightState.HOMING)
@@ -131,9 +131,18 @@ class BenchSimulator:
             if (servo := self._link.take(due_ns, dead_time)) is not None:
                 self.bench.set_servo_command(*servo)
 
+    def _set_motor(self, due_ns: int) -> None:
+        """Control voltage and its excitation, each the newest there is; a stale excitation counts as zero."""
+        if (added := self._take("motor_excitation", due_ns)) is not None:
+            self._motor_added = added[2]
+        elif due_ns - self.newest.get("motor_excitation", due_ns) > STALE_NS:
+            self._motor_added = 0.0
+        if (motor := self._take("motor_command", due_ns)) is not None:
+            self.bench.set_motor_voltage(motor[2] + self._motor_added)
+
     def _take(self, topic: str, due_ns: int) -> Sequence[float] | None:
         """The newest command stamped not later than `due_ns`; older ones are superseded."""
-        commands = self._commands[topic]
+        commands = self._commands.get(topic, [])
         taken = None
         while commands and commands[0][0] <= due_ns:
             taken = commands.pop(0)[1]

@@ -68,6 +68,7 @@ def fly(
     ticks: int,
     excitation: tuple[float, ...] | None,
     servo: tuple[float, ...] = LEVEL,
+    volts: float = 0.0,
 ) -> list[tuple[float, ...]]:
     """Go on and answer; gives the values of `actuator_state`."""
     seen = []
@@ -82,6 +83,7 @@ def fly(
             simulator.receive("flight_state", stamp, flight_state_values(FlightState.FLYING, 163.0))
             if excitation is not None:
                 simulator.receive("excitation", stamp, (*excitation, *(0.0,) * 8))
+                simulator.receive("motor_excitation", stamp, (0.0, 0.0, volts))
     return seen
 
 
@@ -117,12 +119,24 @@ def test_lockstep_waits_for_it_and_real_time_counts_it_late() -> None:
     simulator = hovering()
     fly(simulator, 3, None)
     assert simulator.stamp_ns == 5_000_000
-    assert simulator.missing() == ("excitation",)
+    assert simulator.missing() == ("excitation", "motor_excitation")
     simulator.tick()
-    assert simulator.late == {"servo_command": 0, "motor_command": 0, "flight_state": 0, "excitation": 1}
+    assert simulator.late == {topic: int("excitation" in topic) for topic in simulator.inputs}
     assert hovering(excited=False).inputs == ("servo_command", "motor_command", "flight_state")
 
 
 def test_an_excitation_that_is_no_number_stops_the_bench() -> None:
     with pytest.raises(SafetyStop, match=r"excitation: position.B_1s is nan"):
         hovering().receive("excitation", 0, (math.nan, *QUIET[1:]))
+
+
+def test_the_control_voltage_takes_its_excitation_until_it_is_lost() -> None:
+    simulator = hovering()
+    fly(simulator, 5, (0.0,) * 4, volts=-0.25)
+    assert simulator.bench.command[4] == HOVER.U_mot - 0.25
+    fly(simulator, 4 * STALE_NS // CONTROL_PERIOD_NS, None)
+    assert simulator.bench.command[4] == HOVER.U_mot - 0.25
+    fly(simulator, 8, None)
+    assert simulator.bench.command[4] == HOVER.U_mot
+    simulator.switch_off()
+    assert simulator.bench.command[4] == 0.0

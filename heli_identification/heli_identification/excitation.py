@@ -1,7 +1,8 @@
 """An excitation: which signal, on which channels, how large and how long; and its samples.
 
 Channels B_1s, A_1s, theta_0 and theta_t are added to the servo command; u, v, w and r (ahead, right, down,
-yaw rate) to the velocity reference. The samples are a pure function of the excitation and of their number.
+yaw rate) to the velocity reference; motor to the control voltage. The samples are a pure function of the
+excitation and of their number.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from heli_identification import excitation_signals as signals
 
 COMMAND_CHANNELS = SERVO_CHANNELS
 REFERENCE_CHANNELS = ("u", "v", "w", "r")
-CHANNELS = (*COMMAND_CHANNELS, *REFERENCE_CHANNELS)
+MOTOR_CHANNEL = "motor"
+CHANNELS = (*COMMAND_CHANNELS, *REFERENCE_CHANNELS, MOTOR_CHANNEL)
 
 HELD = (*signals.PATTERNS, "ramps")
 """Signals with a hold time."""
@@ -39,7 +41,7 @@ class Excitation:
     Attributes:
         signal: one of `SIGNALS`.
         channels: of `CHANNELS`, each once.
-        amplitude: peak [rad], [m/s] or [rad/s], as the channels have it.
+        amplitude: peak [rad], [m/s], [rad/s] or [V], as the channels have it.
         duration: with fading in and out [s].
         band: lowest and highest angular frequency [rad/s], of the signals in `BANDED`.
         hold: of the signals in `HELD` [s].
@@ -67,7 +69,7 @@ def samples(excitation: Excitation) -> NDArray[np.float64]:
     """Every sample of an excitation, never larger than its amplitude; read-only.
 
     Returns:
-        (count, 8) in the order of `CHANNELS` [rad], [m/s] and [rad/s].
+        (count, 9) in the order of `CHANNELS` [rad], [m/s], [rad/s] and [V].
     """
     table = np.zeros((excitation.count, len(CHANNELS)))
     window = excitation.amplitude * signals.fade(excitation.count, round(excitation.fade / CONTROL_PERIOD))

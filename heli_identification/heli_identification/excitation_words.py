@@ -7,8 +7,9 @@
 ```
 
 Amplitudes are peaks: `amplitude_deg` of the commands B_1s, A_1s, theta_0, theta_t, `amplitude_m_s` of the
-references u, v, w, `amplitude_deg_s` of r. steps, ramps, doublets and 3-2-1-1 have a `hold` time; chirp,
-prbs, noise and multisine a band. `fade` (1 s) and `seed` (1) may be left out.
+references u, v, w, `amplitude_deg_s` of r, `amplitude_V` of the motor's control voltage. steps, ramps,
+doublets and 3-2-1-1 have a `hold` time; chirp, prbs, noise and multisine a band. `fade` (1 s) and `seed` (1)
+may be left out.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from heli_identification.excitation import BANDED, CHANNELS, HELD, SIGNALS, TOGE
 LONGEST_REQUEST = 400
 """Characters of a request; a longer one is refused."""
 
-_SMALLEST, _DEG, _M_S, _DEG_S = 0.001, "amplitude_deg", "amplitude_m_s", "amplitude_deg_s"
+_SMALLEST, _DEG, _M_S, _DEG_S, _V = 0.001, "amplitude_deg", "amplitude_m_s", "amplitude_deg_s", "amplitude_V"
 _PEAKS: dict[str, tuple[str, Quantity]] = {
     "B_1s": (_DEG, Quantity("deg", "D", "peak of longitudinal cyclic", _SMALLEST, 3.0)),
     "A_1s": (_DEG, Quantity("deg", "D", "peak of lateral cyclic", _SMALLEST, 3.0)),
@@ -37,6 +38,7 @@ _PEAKS: dict[str, tuple[str, Quantity]] = {
     "v": (_M_S, Quantity("m/s", "D", "peak of the velocity to the right", _SMALLEST, 0.5)),
     "w": (_M_S, Quantity("m/s", "D", "peak of the velocity down", _SMALLEST, 0.3)),
     "r": (_DEG_S, Quantity("deg/s", "D", "peak of the yaw rate", _SMALLEST, 45.0)),
+    "motor": (_V, Quantity("V", "D", "peak of the control voltage", _SMALLEST, 0.5)),
 }
 """Key and range of the amplitude of each channel: the safety limit of what can be asked for."""
 
@@ -52,6 +54,7 @@ _KEYS = (
     _DEG,
     _M_S,
     _DEG_S,
+    _V,
     "band_rad_s",
     "hold",
     "duration",

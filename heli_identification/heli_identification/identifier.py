@@ -72,7 +72,7 @@ class Identifier:
 
     name = topics.IDENTIFICATION
     inputs: tuple[str, ...] = ("odometry", "reference", "flight_state", "servo_command")
-    outputs: tuple[str, ...] = ("excitation", "reference_excitation", "estimate")
+    outputs: tuple[str, ...] = ("excitation", "reference_excitation", "motor_excitation", "estimate")
 
     def __init__(
         self,
@@ -110,13 +110,13 @@ class Identifier:
         self._begin(round(ready["flight_state"][_NUMBER]))
         self._watch(objection(self._stage, state, reference, self._guard))
         row = self._next_row()
-        command, asked = row[:_COMMANDS], row[_COMMANDS:]
+        command, (ahead, right, down, turn, voltage) = row[:_COMMANDS], row[_COMMANDS:]
         excited = self._run is not None and self._stage is FlightState.FLYING
         self._sent[stamp_ns] = (state, command, excited)
-        twist = twist_values((asked[0], asked[1], asked[2]), (0.0, 0.0, asked[3]))
         return [
             Message("excitation", stamp_ns, (*command, *(0.0,) * 2 * _COMMANDS)),
-            Message("reference_excitation", stamp_ns, twist),
+            Message("reference_excitation", stamp_ns, twist_values((ahead, right, down), (0.0, 0.0, turn))),
+            Message("motor_excitation", stamp_ns, (0.0, 0.0, voltage)),
         ]
 
     def request(self, text: str) -> None:

@@ -47,8 +47,8 @@ class Flight:
         phi: float = 0.0,
         known: bool = True,
         order: tuple[int, ...] = (0, 1, 2),
-    ) -> tuple[np.ndarray, np.ndarray, list[Message]]:
-        """Commands (4,), references (4,) and what the servo command caused, at the next tick."""
+    ) -> tuple[np.ndarray, np.ndarray, list[Message], float]:
+        """Commands (4,), references (4,), what the servo command caused, and volts, at the next tick."""
         stamp = self.tick * CONTROL_PERIOD_NS
         self.tick += 1
         variance = (1e-6 if known else UNKNOWN_VARIANCE,) * 6
@@ -65,11 +65,12 @@ class Flight:
         assert [(m.topic, m.stamp_ns) for m in sent] == [
             ("excitation", stamp),
             ("reference_excitation", stamp),
+            ("motor_excitation", stamp),
         ]
         assert all(len(m.values) == len(TOPICS[m.topic].layout.fields) for m in sent)
         linear, angular = twist_from_values(sent[1].values)
         after = self.identifier.receive("servo_command", stamp, SERVO)
-        return np.array(sent[0].values[:4]), np.array([*linear, angular[2]]), after
+        return np.array(sent[0].values[:4]), np.array([*linear, angular[2]]), after, float(sent[2].values[2])
 
 
 def test_the_plans_excitations_go_out_sample_by_sample_when_they_are_flown() -> None:
@@ -77,12 +78,20 @@ def test_the_plans_excitations_go_out_sample_by_sample_when_they_are_flown() -> 
     assert not flight.step()[0].any()
     commands = np.array([flight.step(1)[0] for _ in range(500)])
     assert np.array_equal(commands, samples(PLAN[0])[:, :4])
-    quiet, _, _ = flight.step(1)
+    quiet, *_ = flight.step(1)
     assert not quiet.any()
     assert not flight.step(0)[0].any()
     references = np.array([flight.step(2)[1] for _ in range(400)])
     assert np.array_equal(references[:, 3], samples(PLAN[1])[:, CHANNELS.index("r")])
     assert not references[:, :3].any()
+
+
+def test_the_control_voltage_can_be_excited() -> None:
+    chirp = "{signal: chirp, channel: motor, amplitude_V: 0.05, band_rad_s: [0.5, 30], duration: 5}"
+    flight = Flight(Identifier((excitation_from_text(chirp),)))
+    sent = [flight.step(1)[3] for _ in range(500)]
+    assert sent == samples(excitation_from_text(chirp))[:, CHANNELS.index("motor")].tolist()
+    assert 0.045 < max(sent) <= 0.05
 
 
 @settings(max_examples=20, deadline=None)

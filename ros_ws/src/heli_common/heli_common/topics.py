@@ -137,6 +137,7 @@ _TABLE = (
         IDENTIFICATION,
         (POSITION_CONTROLLER,),
     ),
+    Topic("motor_excitation", _joints("motor"), CONTROL_PERIOD_NS, IDENTIFICATION, (BENCH_SIM,)),
     Topic("estimate", _joints(*ESTIMATED), ESTIMATE_PERIOD_NS, IDENTIFICATION),
     Topic("recorder_ack", layout.header(RIG_FRAME), CONTROL_PERIOD_NS, RECORDER, (BENCH_SIM,), hashed=False),
 )

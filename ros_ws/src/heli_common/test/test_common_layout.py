@@ -26,9 +26,9 @@ def filled(topic, stamp_ns, values):
     stamp = message.clock if header is None else header.stamp
     stamp.sec, stamp.nanosec = divmod(stamp_ns, 10**9)
     worlds = dict.fromkeys(("odometry", "odometry_imu", "ground_truth", "reference", "wind"), "world")
-    frame = (worlds | {"velocity_reference": "heading", "imu": "imu_link", "imu_attitude": "imu_link"}).get(
-        topic, "rig"
-    )
+    headings = dict.fromkeys(("velocity_reference", "reference_excitation"), "heading")
+    imus = dict.fromkeys(("imu", "imu_attitude"), "imu_link")
+    frame = (worlds | headings | imus).get(topic, "rig")
     if header is not None:
         header.frame_id = frame
     if hasattr(message, "child_frame_id"):

@@ -417,4 +417,10 @@ def test_the_identification_flight_has_other_data_for_validation() -> None:
     assert estimation.channels == validation.channels == ("B_1s", "A_1s")
     assert estimation.duration == validation.duration == 60.0
     assert estimation.seed != validation.seed
-    assert {channel for other in others for channel in other.channels} == {"theta_0", "theta_t", "u", "v"}
+    assert {channel for other in others for channel in other.channels} == {
+        "theta_0",
+        "theta_t",
+        "u",
+        "v",
+        "motor",
+    }
