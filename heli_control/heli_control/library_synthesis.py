@@ -133,6 +133,8 @@ def _sb10ad(plant: GeneralizedPlant, gamma: float, job: int, tolerance: float) -
     except ImportError:
         raise NoController("slycot is not installed", final=True) from None
     system = plant.whole
+    if not system.order:
+        raise NoController("SB10AD takes no plant without states", final=True)
     inputs, outputs = system.B.shape[1], system.C.shape[0]
     _, controls, _, measurements = plant.sizes
     try:

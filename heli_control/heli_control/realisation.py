@@ -7,6 +7,7 @@ Synthesis works on many small systems whose signals have no names; `StateSpace` 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -77,21 +78,24 @@ def first_order(high: float, zero: float, pole: float) -> Realisation:
     return realisation([[-pole]], [[1.0]], [[zero - high * pole]], [[high]])
 
 
-def second_order(
-    numerator: tuple[float, float, float], denominator: tuple[float, float, float]
-) -> Realisation:
-    """(n2 s^2 + n1 s + n0) / (d2 s^2 + d1 s + d0) in controller form.
+def rational(numerator: Sequence[float], denominator: Sequence[float]) -> Realisation:
+    """A proper transfer function in controller form, coefficients with the highest power of s first.
 
     Raises:
-        ValueError: d2 is zero.
+        ValueError: the denominator begins with zero, or the numerator is of higher order.
     """
-    d2, d1, d0 = denominator
-    if d2 == 0.0:
-        raise ValueError("d2 = 0.0; allowed: not zero, else the weight is of first order or not proper")
-    n2, n1, n0 = (value / d2 for value in numerator)
-    d1, d0 = d1 / d2, d0 / d2
-    c = [[n1 - n2 * d1, n0 - n2 * d0]]
-    return realisation([[-d1, -d0], [1.0, 0.0]], [[1.0], [0.0]], c, [[n2]])
+    bottom, top = np.asarray(denominator, dtype=np.float64), np.asarray(numerator, dtype=np.float64)
+    if bottom[0] == 0.0:
+        raise ValueError("the denominator begins with 0.0; allowed: not zero, else the order is another")
+    order, spare = len(bottom) - 1, len(top) - len(bottom)
+    if spare > 0 and top[:spare].any():
+        raise ValueError(f"a numerator of order {len(top) - 1} over {order}; allowed: no higher order")
+    full = np.concatenate((np.zeros(max(-spare, 0)), top[max(spare, 0) :])) / bottom[0]
+    bottom = bottom / bottom[0]
+    if not order:
+        return gain(full[0])
+    a = np.vstack((-bottom[1:], np.eye(order)[:-1]))
+    return realisation(a, np.eye(order)[:, :1], (full[1:] - full[0] * bottom[1:])[None], full[:1, None])
 
 
 def diagonal(*blocks: Realisation) -> Realisation:

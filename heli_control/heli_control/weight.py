@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.signal import tf2ss
 
 from heli_common.errors import InputError
 from heli_common.linear_model import short
-from heli_control.realisation import Complex, Realisation, diagonal, gain, realisation
+from heli_control.realisation import Complex, Realisation, diagonal, rational
 
 _ALLOWED = "a number, or {numerator: [...], denominator: [...]} with the highest power of s first"
 
@@ -35,9 +34,7 @@ class Weight:
     @property
     def system(self) -> Realisation:
         """As state space with one input and one output."""
-        if len(self.denominator) == 1:
-            return gain(self.numerator[-1] / self.denominator[0])
-        return realisation(*tf2ss(np.array(self.numerator), np.array(self.denominator)))
+        return rational(self.numerator, self.denominator)
 
     def mapping(self) -> float | dict[str, list[float]]:
         """As it stands in a file."""

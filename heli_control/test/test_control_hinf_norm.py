@@ -15,9 +15,9 @@ from heli_control.realisation import (
     diagonal,
     first_order,
     gain,
+    rational,
     realisation,
     response,
-    second_order,
     series,
 )
 
@@ -42,7 +42,7 @@ def test_by_hand() -> None:
 
 @pytest.mark.parametrize("damping", [0.5, 1e-2, 1e-5])
 def test_resonance_has_its_closed_form(damping: float) -> None:
-    peak = hinf_norm(second_order((0.0, 0.0, 49.0), (1.0, 14.0 * damping, 49.0)))
+    peak = hinf_norm(rational((0.0, 0.0, 49.0), (1.0, 14.0 * damping, 49.0)))
     assert peak.value == pytest.approx(1.0 / (2.0 * damping * math.sqrt(1.0 - damping**2)), rel=1e-5)
     assert peak.frequency == pytest.approx(7.0 * math.sqrt(1.0 - 2.0 * damping**2), rel=1e-3)
 
@@ -86,7 +86,7 @@ def test_joined_systems_have_joined_responses() -> None:
     assert not side[:, :3, 2:].any()
     np.testing.assert_allclose(response(balanced(one)[0], omega), response(one, omega), atol=1e-12)
     s = 2.0j
-    weight = second_order((1.0, 40.0, 400.0), (0.01, 2.0, 100.0))
+    weight = rational((1.0, 40.0, 400.0), (0.01, 2.0, 100.0))
     by_hand = (s**2 + 40.0 * s + 400.0) / (0.01 * s**2 + 2.0 * s + 100.0)
     assert response(weight, np.array([2.0]))[0, 0, 0] == pytest.approx(by_hand)
 
@@ -111,5 +111,7 @@ def test_bad_arguments_are_refused() -> None:
         realisation(np.eye(2), np.ones((3, 1)), np.ones((1, 2)), [[0.0]])
     with pytest.raises(ValueError, match="D holds a number that is not finite"):
         gain([[math.nan]])
-    with pytest.raises(ValueError, match=r"d2 = 0\.0; allowed"):
-        second_order((0.0, 0.0, 1.0), (0.0, 1.0, 1.0))
+    with pytest.raises(ValueError, match=r"begins with 0\.0; allowed"):
+        rational((0.0, 0.0, 1.0), (0.0, 1.0, 1.0))
+    with pytest.raises(ValueError, match=r"a numerator of order 2 over 1; allowed"):
+        rational((1.0, 0.0, 1.0), (1.0, 1.0))
