@@ -1,8 +1,9 @@
 """How long a certified H-infinity design takes, beside the library's own call on the same problem.
 
-Run: python benchmarks/synthesis.py [--model FILE] [--runs N] [--json]. The horizontal plant with eight states
-and two inputs: S/KS/T and GS/T certified by both routes, loop shaping in closed form, and `control.mixsyn` with
-the weights of S/KS/T, whose result is certified here too, for it says nothing of itself. Processor times.
+Run: python benchmarks/synthesis.py [--model FILE] [--runs N] [--json]. The horizontal plant with eight
+states and two inputs: S/KS/T and GS/T certified by both routes, loop shaping in closed form, and
+`control.mixsyn` with the weights of S/KS/T, whose result is certified here too, for it says nothing of
+itself. Processor times.
 """
 
 from __future__ import annotations

@@ -117,7 +117,6 @@ class AxisSynthesis:
         norm: of the closed loop, certified. frequency: of its peak [rad/s].
         route: that made it. disagreement: of both routes' optimum, or None.
         attempts: of both routes, with reasons of refusals.
-        assumptions: A1 to A5 of the problem.
         loop_shaping: with factors and observer, for `ncf` only.
     """
 
@@ -132,8 +131,12 @@ class AxisSynthesis:
     route: str
     disagreement: float | None
     attempts: tuple[Attempt, ...]
-    assumptions: tuple[Assumption, ...]
     loop_shaping: LoopShaping | None = None
+
+    @property
+    def assumptions(self) -> tuple[Assumption, ...]:
+        """A1 to A5 of the problem, with their distances to violation."""
+        return check_assumptions(with_balanced_states(self.problem), self.gamma)
 
 
 def synthesis(kind: str, plant: FlightPlant, weights: AxisWeights) -> AxisSynthesis:
@@ -173,7 +176,6 @@ def synthesis(kind: str, plant: FlightPlant, weights: AxisWeights) -> AxisSynthe
         found.route,
         found.disagreement,
         found.attempts,
-        check_assumptions(with_balanced_states(problem), found.gamma),
     )
 
 
@@ -221,7 +223,6 @@ def _loop_shaping(plant: FlightPlant, weights: AxisWeights) -> AxisSynthesis:
         "closed form",
         None,
         (),
-        check_assumptions(with_balanced_states(problem), found.gamma),
         found,
     )
 
@@ -247,7 +248,6 @@ def _loop_shaping_two_degree(plant: FlightPlant, weights: AxisWeights) -> AxisSy
         made.route,
         made.disagreement,
         made.attempts,
-        check_assumptions(with_balanced_states(problem), made.gamma),
     )
 
 
