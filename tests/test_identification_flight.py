@@ -39,7 +39,7 @@ controller: lq
 phases:
   - home: {}
   - run_up: {}
-  - take_off: {height: 0.0, speed: 0.5}
+  - take_off: {height: 0.0, speed: 0.15}  # slow: the guard stops what is asked for in a fast one
   - hover: {duration: 12.0}
   - land: {speed: 0.3}
   - run_down: {duration: 0.5}
