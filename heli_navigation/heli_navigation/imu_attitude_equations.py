@@ -1,4 +1,4 @@
-"""Prediction and correction of the attitude filter; the equations stand in `imu_attitude`.
+"""Prediction, correction and output of the attitude filter; the equations stand in `imu_attitude`.
 
 What the filter remembers, its covariance included, is one array: copy it and you have the filter.
 """
@@ -12,6 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heli_common.compiled import compiled, equation
+from heli_common.compiled_messages import write_imu_attitude
+from heli_common.rotations import Euler
+from heli_common.vehicle_state import UNKNOWN_VARIANCE
 from heli_navigation.imu_attitude_parameters import ImuAttitudeConstants
 
 Array = NDArray[np.float64]
@@ -209,3 +212,33 @@ def correct(memory: Array, fx: float, fy: float, fz: float, c: ImuAttitudeConsta
             memory[AttitudeMemory.phi] - phi
         )
         absorb(memory, variance, beyond - tilted - memory[own])
+
+
+@compiled
+def read_attitude(memory: Array, values: Array) -> None:
+    """Attitude, rates less their biases and variances as the numbers of an Imu in ENU/FLU.
+
+    Without a valid reading the rates are zero.
+
+    Args:
+        memory: of the filter, in the parts of `AttitudeMemory`.
+        values: (37,) in the order of the layout, written.
+    """
+    at, bias = AttitudeMemory.gyro, AttitudeMemory.gyro_bias
+    p, q, r = 0.0, 0.0, 0.0
+    if memory[AttitudeMemory.fresh] > 0.5:
+        p, q, r = (
+            memory[at] - memory[bias],
+            memory[at + 1] - memory[bias + 1],
+            memory[at + 2] - memory[bias + 2],
+        )
+    variances = (UNKNOWN_VARIANCE, UNKNOWN_VARIANCE, UNKNOWN_VARIANCE)
+    if memory[AttitudeMemory.known] > 0.5:
+        # the gimbal's axes are near those of the earth while tilt is small: roll about north, yaw about down
+        variances = (memory[cell(2, 2)], memory[cell(1, 1)], memory[cell(0, 0)])
+    psi, theta, phi = (
+        memory[AttitudeMemory.psi],
+        memory[AttitudeMemory.theta],
+        memory[AttitudeMemory.phi],
+    )
+    write_imu_attitude(Euler(psi, theta, phi), variances, (p, q, r), memory[cell(3, 3)], values)
