@@ -27,7 +27,7 @@ def armax(path: str) -> dict[str, Any]:
     u, y = data["u"].T.copy(), data["y"].T.copy()
     outputs, inputs = len(y), len(u)
     na, nb, nc = ORDERS
-    begin = time.perf_counter()
+    begin = time.process_time()
     model = system_identification(
         y,
         u,
@@ -41,7 +41,7 @@ def armax(path: str) -> dict[str, Any]:
             [[1] * inputs] * outputs,
         ],
     )
-    used = time.perf_counter() - begin
+    used = time.process_time() - begin
     predicted = np.asarray(model.Yid)
     error = np.sqrt(np.mean((y - predicted) ** 2, axis=1))
     fit = 100.0 * (1.0 - error / y.std(axis=1))
