@@ -55,15 +55,15 @@ SCALES = {
 
 
 def _parameters(table: str, fixed: dict[str, str] | None = None) -> tuple[Parameter, ...]:
-    """Parameters from lines `name value unit`; fixed ones with the reason."""
+    """Parameters from lines `name value[~size] unit`; fixed ones with the reason."""
     reasons = fixed or {}
     found = []
     for line in table.strip().splitlines():
         name, value, unit = line.split(maxsplit=2)
-        number = float(value)
-        found.append(
-            Parameter(name, number, abs(number) or 1.0, unit, name not in reasons, reasons.get(name, ""))
-        )
+        start, _, size = value.partition("~")
+        scale = float(size) if size else abs(float(start)) or 1.0
+        free, reason = name not in reasons, reasons.get(name, "")
+        found.append(Parameter(name, float(start), scale, unit, free, reason))
     return tuple(found)
 
 
@@ -100,17 +100,17 @@ FULL = Structure(
     inputs=("B_1s", "A_1s"),
     outputs=_MOTION,
     parameters=_parameters("""
-        X_u -0.012 1/s
+        X_u -0.012~1 1/s
         X_1 -3.13 m/(s^2 rad)
-        Y_v -0.067 1/s
+        Y_v -0.067~1 1/s
         Y_2 3.13 m/(s^2 rad)
-        M_u 0.717 rad/(m s)
-        M_v -0.19 rad/(m s)
+        M_u 0.717~1 rad/(m s)
+        M_v -0.19~1 rad/(m s)
         M_q -13.81 1/s
         M_1 151.83 1/s^2
         M_2 40.37 1/s^2
-        L_u -0.478 rad/(m s)
-        L_v -1.802 rad/(m s)
+        L_u -0.478~2 rad/(m s)
+        L_v -1.802~2 rad/(m s)
         L_p -34.702 1/s
         L_1 -101.4 1/s^2
         L_2 382.34 1/s^2

@@ -141,7 +141,9 @@ def described(estimate: Estimate, records: Sequence[Record], fit: Fit | None) ->
             entry["fixed"] = parameter.reason or "not freed"
         coefficients[parameter.name] = entry
     residuals = np.vstack(estimate.residuals)
-    inputs = np.vstack([record.u for record in records])
+    inputs = np.vstack(
+        [record.u[: len(part)] for record, part in zip(records, estimate.residuals, strict=True)]
+    )
     found: dict[str, Any] = {
         "structure": structure.name,
         "noise_model": estimate.noise.value,

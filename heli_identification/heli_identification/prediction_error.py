@@ -31,6 +31,9 @@ from heli_identification.uncertainty import (
 
 Array = NDArray[np.float64]
 
+LONGEST_STEP = 3.0
+"""Of an unknown in one step: several times its expected size, or a factor of 20 in a variance."""
+
 
 @dataclass(frozen=True)
 class Search:
@@ -220,7 +223,7 @@ def _minimise(
         accepted = False
         while damping < 1e8:
             step = -np.linalg.solve(information + np.diag(damping * diagonal), gradient)
-            step *= min(1.0, 3.0 / max(1e-300, float(np.max(np.abs(step)))))
+            step *= min(1.0, LONGEST_STEP / max(1e-300, float(np.max(np.abs(step)))))
             gain = float(-gradient @ step - 0.5 * step @ information @ step)
             candidate = vector.copy()
             candidate[active] += step
@@ -279,5 +282,5 @@ def _estimate(
         offsets=tuple(criterion.local(vector, i)[p.n :] for i in range(len(criterion.records))),
         converged=converged,
         steps=steps,
-        weak=weaknesses(names, claimed, structure.scales[p.free]),
+        weak=weaknesses(names, claimed, np.maximum(structure.scales[p.free], np.abs(common[:free]))),
     )

@@ -128,20 +128,13 @@ class Structure:
         return [self.names.index(name) for name in names]
 
     def with_values(self, values: Mapping[str, float]) -> Structure:
-        """The same structure with other values; scales follow values that are not zero.
+        """The same structure with other values.
 
         Raises:
             InputError: a name the structure does not have.
         """
         self.index(tuple(values))
-        changed = [
-            replace(
-                each,
-                value=float(values.get(each.name, each.value)),
-                scale=abs(float(values[each.name])) or each.scale if each.name in values else each.scale,
-            )
-            for each in self.parameters
-        ]
+        changed = [replace(each, value=float(values.get(each.name, each.value))) for each in self.parameters]
         return replace(self, parameters=tuple(changed))
 
     def with_free(self, names: Sequence[str]) -> Structure:

@@ -49,9 +49,11 @@ def test_gain_alone_has_the_error_of_a_regression() -> None:
     assert np.sqrt(found.fisher[0, 0]) == pytest.approx(sigma / np.sqrt(z @ z), rel=1e-4)
 
 
-def test_servo_rotor_without_noise_is_exact() -> None:
-    found = prediction_error(perturbed(TRUTH, 1, 0.1), [flown(1, 10.0, noise=1e-4)], noise=Noise.KALMAN)
-    assert found.values == pytest.approx(true_values(found.names), rel=3e-3, abs=1e-3)
+def test_servo_rotor_with_little_noise_is_close() -> None:
+    found = prediction_error(perturbed(TRUTH, 1, 0.1), [flown(1, 10.0, noise=0.02)])
+    assert found.converged
+    # what is left is noise: a hundredth of each coefficient's expected size
+    assert np.all(np.abs(found.values - true_values(found.names)) < 0.02 * TRUTH.scales[: len(found.values)])
 
 
 @pytest.fixture(scope="module")

@@ -113,7 +113,7 @@ def test_drive_has_the_steady_speed_of_its_gains() -> None:
 def test_free_and_fixed() -> None:
     structure = SERVO_ROTOR.with_free(["X_u", "k"])
     assert structure.free_names == ("X_u", "k")
-    assert structure.with_values({"X_u": -4.0}).scales[0] == 4.0
+    assert structure.with_values({"X_u": -4.0}).scales[0] == structure.scales[0] == 1.0
     with pytest.raises(InputError, match=r"no parameter 'X_w'.*X_u"):
         SERVO_ROTOR.with_free(["X_w"])
     with pytest.raises(InputError, match=r"no structure 'heave'.*servo_rotor"):

@@ -30,6 +30,8 @@ from heli_identification.validation import Fit, fit
 METHODS = ("ls", "pem", "projection", "indirect", "joint")
 ESTIMATED = 0.7
 """Share of a flight that is estimated from if nothing is said; the rest validates."""
+SIMULATED = 10.0
+"""Length of a free simulation in validation; shorter flights are not validated by themselves [s]."""
 COMMAND_DELAY = 2
 """From servo command to blade in samples: latency, half a pulse frame and the servo's own lag."""
 
@@ -126,7 +128,7 @@ def identify(flights: Sequence[FlightRecord], choice: Choice, prior: ModelFile |
             prepare(flight_signals(flight), structure, segment, source=choice.source)[0]
             for flight, segment in validation
         ]
-        judged = fit(estimate.structure, others, hold=Hold.LINEAR)
+        judged = fit(estimate.structure, others, hold=Hold.LINEAR, segment=SIMULATED)
     names = tuple(f"{flight.bag.folder.name} {segment}" for flight, segment in estimation)
     return Identified(choice, estimate, records, means, judged, names)
 
@@ -160,6 +162,9 @@ def _segments(flights: Sequence[FlightRecord], choice: Choice) -> tuple[list[Pie
         whole = free_flight(flight)
         begin, end = float(whole.begin or 0.0), float(whole.end or 0.0)
         middle = begin + ESTIMATED * (end - begin)
+        if choice.validate is None and end - middle < SIMULATED:
+            estimation.append((flight, whole))
+            continue
         estimation.append((flight, Segment(begin, middle)))
         pieces = choice.validate or (Segment(middle, end),)
         validation += [(flight, segment) for segment in pieces]

@@ -46,10 +46,8 @@ def add_parser(words: Any) -> None:
     parser.add_argument(
         "--fix", nargs="+", metavar="NAME", default=[], help="keep these at their prior value"
     )
-    parser.add_argument(
-        "--estimate", type=segments, default=None, metavar="A-B[,A-B]", help="seconds, flight time"
-    )
-    parser.add_argument("--validate", type=segments, default=None, metavar="C-D[,C-D]")
+    parser.add_argument("--estimate", metavar="A-B[,A-B]", help="seconds, flight time")
+    parser.add_argument("--validate", metavar="C-D[,C-D]")
     parser.add_argument("--controller", default="lq", help="flown controller, for indirect and joint")
     parser.add_argument("--prior", type=Path, help="model file: start values and everything not identified")
     parser.add_argument("--out", type=Path, help="model file to write")
@@ -57,12 +55,14 @@ def add_parser(words: Any) -> None:
     parser.set_defaults(func=run)
 
 
-def segments(text: str) -> tuple[Segment, ...]:
-    """Segments from words such as `20-80` or `20-50,60-80` [s].
+def segments(text: str | None, key: str) -> tuple[Segment, ...] | None:
+    """Segments from words such as `20-80` or `20-50,60-80` [s]; None from None.
 
     Raises:
         InputError: not of this form, or an end before its beginning.
     """
+    if text is None:
+        return None
     found = []
     for word in text.split(","):
         begin, dash, end = word.strip().partition("-")
@@ -71,9 +71,7 @@ def segments(text: str) -> tuple[Segment, ...]:
         except ValueError:
             first = last = math.nan
         if not dash or not first < last:
-            raise InputError(
-                f"{word!r} is no segment", allowed="A-B in seconds, A before B", key="--estimate"
-            )
+            raise InputError(f"{word!r} is no segment", allowed="A-B in seconds, A before B", key=key)
         found.append(Segment(first, last))
     return tuple(found)
 
@@ -92,8 +90,8 @@ def run(options: argparse.Namespace) -> int:
         averaging=options.averaged,
         free=None if options.free is None else tuple(options.free),
         fixed=tuple(options.fix),
-        estimate=options.estimate,
-        validate=options.validate,
+        estimate=segments(options.estimate, "--estimate"),
+        validate=segments(options.validate, "--validate"),
         controller=options.controller,
     )
     prior = None if options.prior is None else ModelFile.read(options.prior)
