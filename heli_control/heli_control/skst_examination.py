@@ -1,8 +1,9 @@
 """Why the source drops S/KS/T, on any plant: assumption A5 and the poles of the plant that it cancels (3.4).
 
 In S/KS/T nothing disturbs the input of the plant (B1 of the plant is zero), so [A - jw, B1; C2, D21] loses
-rank wherever jw is a pole of the plant: a plant that integrates violates A5, a slow one is near to it. For the
-same reason it costs nothing to cancel a slow pole: no error shows it. GS/T disturbs the input and has neither.
+rank wherever jw is a pole of the plant: a plant that integrates violates A5, a slow one is near to it. For
+the same reason it costs nothing to cancel a slow pole: no error shows it. GS/T disturbs the input of the
+plant and has neither.
 """
 
 from __future__ import annotations

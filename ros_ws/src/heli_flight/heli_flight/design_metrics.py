@@ -7,7 +7,7 @@ rad/s, times in ms.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -19,18 +19,14 @@ from heli_common.model_file import ModelFile
 from heli_control.controller_designs import LQ, MOTOR, DesignSummary, Loop, design
 from heli_control.controller_file import ControllerFile
 from heli_control.discretisation import phase_losses
-from heli_control.flight_design import AxisDesign, software
+from heli_control.flight_design import AxisDesign
 from heli_control.flight_plants import DRIVE, FLIGHT_AXES, flight_plant
 from heli_control.loop_figures import FREQUENCIES, loop_figures
 from heli_control.margins import DiskMargin, LoopMargins, loop_margins, loops
-from heli_control.published_gains import GAIN_TABLES, Gains, static_gains
+from heli_control.published_gains import Gains, static_gains
 from heli_control.realisation import Array, response
 from heli_control.sampled_loop import LoopTiming, SampledLoop, loop_response, sampled_margins
-from heli_control.skst_examination import rank_cases, slow_poles
-from heli_control.system_properties import modes, transmission_zeros
-from heli_control.trade_off import attitude_sweep
 from heli_control.uncertainty import robustness_tests
-from heli_control.weights_file import read_weights
 
 _POINTS = 600
 
@@ -56,6 +52,16 @@ def designed(kind: str, model: ModelFile, weights: WeightsFolder) -> DesignSumma
     return design(kind, model, weights.path(kind))
 
 
+def pair(value: complex) -> list[float | None]:
+    """Real and imaginary part."""
+    return [finite(value.real), finite(value.imag)]
+
+
+def finite(value: float) -> float | None:
+    """A number as JSON can hold it: None if it is infinite or none."""
+    return float(value) if math.isfinite(value) else None
+
+
 def controller_metrics(summary: DesignSummary) -> dict[str, Any]:
     """One controller: every figure of every axis, printed figures, static gains, weights."""
     provenance = summary.file.provenance
@@ -70,102 +76,6 @@ def controller_metrics(summary: DesignSummary) -> dict[str, Any]:
         "weights": _listed(provenance.get("weights", {})),
         "method": str(provenance.get("method", "")),
     }
-
-
-def plant_metrics(model: ModelFile, axes: Iterable[str]) -> dict[str, Any]:
-    """Poles, zeros, Hautus distances and condition of the scaled plants."""
-    found = {}
-    for axis in axes:
-        plant = flight_plant(model, axis)
-        sizes = np.linalg.svd(response(plant.scaled, np.array([1.0, 10.0])), compute_uv=False)
-        found[axis] = {
-            "states": list(plant.si.states),
-            "inputs": list(plant.si.inputs),
-            "outputs": list(plant.si.outputs),
-            "modes": [
-                {
-                    "pole": _pair(mode.pole),
-                    "controllability": mode.controllability,
-                    "observability": mode.observability,
-                }
-                for mode in modes(plant.scaled)
-            ],
-            "transmission_zeros": [_pair(zero) for zero in transmission_zeros(plant.scaled)],
-            "condition": dict(zip(("1", "10"), (sizes[:, 0] / sizes[:, -1]).tolist(), strict=True)),
-        }
-    return found
-
-
-def examination(
-    model: ModelFile, weights: WeightsFolder, summaries: Mapping[str, DesignSummary]
-) -> dict[str, Any]:
-    """S/KS/T beside GS/T: distances to a violation of A5, and what becomes of the slow poles."""
-    s_ks_t, gs_t = (read_weights(kind, weights.path(kind)) for kind in ("skst", "gst"))
-    return {
-        "rank": [
-            {
-                "axis": axis,
-                "scheme": case.scheme,
-                "appended": list(case.appended),
-                "distance": case.disturbance.distance,
-                "frequency": case.disturbance.frequency,
-                "holds": case.disturbance.holds,
-                "distance_control": case.control.distance,
-            }
-            for axis in FLIGHT_AXES
-            for case in rank_cases(
-                flight_plant(model, axis, s_ks_t.axes[axis].scales), s_ks_t.axes[axis], gs_t.axes[axis]
-            )
-        ],
-        "slow_poles": [
-            {
-                "axis": axis,
-                "kind": kind,
-                "pole": _pair(slow.cancellation.pole),
-                "zero": _pair(slow.cancellation.zero),
-                "zero_apart": _finite(slow.cancellation.distance),
-                "hidden": slow.cancellation.hidden,
-                "closed": _pair(slow.closed),
-                "moved": slow.moved,
-            }
-            for kind in ("skst", "gst")
-            if kind in summaries
-            for axis, loop in summaries[kind].loops.items()
-            for slow in slow_poles(loop.plant, loop.feedback)
-            if slow.cancellation.pole.imag >= 0.0
-        ],
-    }
-
-
-def sweep(model: ModelFile, weights: WeightsFolder) -> list[dict[str, Any]]:
-    """The trade-off of eq. 3.30 for `gst`."""
-    return [
-        {"factor": one.factor, "gamma_min": _finite(one.gamma), "refused": one.refused, **one.figures}
-        for one in attitude_sweep(model, read_weights("gst", weights.path("gst")))
-    ]
-
-
-def gain_tables(controllers: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Each printed table of static gains beside ours."""
-    ours = {controller["kind"]: controller["static_gains"] for controller in controllers}
-    return [
-        {
-            "table": table.number,
-            "about": table.about,
-            "published": {command: dict(row) for command, row in table.gains.items()},
-            "ours": {
-                kind: ours[kind]["references" if table.references else "state"]
-                for kind in table.kinds
-                if kind in ours
-            },
-        }
-        for table in GAIN_TABLES
-    ]
-
-
-def versions() -> dict[str, str]:
-    """Of what a design depends on."""
-    return software()
 
 
 def _axis(summary: DesignSummary, axis: str, loop: Loop) -> dict[str, Any]:
@@ -183,7 +93,7 @@ def _axis(summary: DesignSummary, axis: str, loop: Loop) -> dict[str, Any]:
         "synthesis": _synthesis(summary.axes.get(axis)),
         "order": _orders(summary, axis),
         "tests": [
-            asdict(test) | {"frequency": _finite(test.frequency), "norm": _finite(test.norm)}
+            asdict(test) | {"frequency": finite(test.frequency), "norm": finite(test.norm)}
             for test in robustness_tests(loop.plant, loop.feedback)
         ],
     }
@@ -194,17 +104,17 @@ def _margins(margins: LoopMargins) -> dict[str, Any]:
     return {
         "channels": {
             name: {
-                "gain_up_db": _finite(one.gain_up_db),
-                "gain_down_db": _finite(one.gain_down_db),
-                "phase_deg": _finite(one.phase_deg),
-                "delay_ms": _finite(one.delay_ms),
+                "gain_up_db": finite(one.gain_up_db),
+                "gain_down_db": finite(one.gain_down_db),
+                "phase_deg": finite(one.phase_deg),
+                "delay_ms": finite(one.delay_ms),
                 "disk_alpha": margins.channel_disks[name].alpha,
                 "crossovers": list(one.crossovers),
             }
             for name, one in margins.channels.items()
         },
         "least": {
-            name: _finite(min(getattr(one, name) for one in channels))
+            name: finite(min(getattr(one, name) for one in channels))
             for name in ("gain_up_db", "gain_down_db", "phase_deg", "delay_ms")
         },
         "disk": _disk(margins.disk),
@@ -225,7 +135,7 @@ def _output(loop: Any) -> dict[str, float]:
 
 
 def _flown(summary: DesignSummary, axis: str) -> dict[str, Any] | None:
-    """Margins of the sampled loop with servos, pulse frames and latency; None for the drive, which has none."""
+    """Margins with hold, servos, pulse frames and latency; None for the drive, which has no servo."""
     if not isinstance(summary.file, ControllerFile):
         return None
     block: StateSpace = getattr(summary.file, axis).system
@@ -238,9 +148,9 @@ def _flown(summary: DesignSummary, axis: str) -> dict[str, Any] | None:
     omega: Array = np.asarray(np.geomspace(FREQUENCIES[0], 0.999 * nyquist, _POINTS), dtype=np.float64)
     margins = _margins(loop_margins(loop_response(loop, omega), omega, block.outputs))
     all_at_once = {
-        "gain_up_db": _finite(whole.gain_up_db),
-        "gain_down_db": _finite(whole.gain_down_db),
-        "delay_ms": _finite(whole.delay_ms),
+        "gain_up_db": finite(whole.gain_up_db),
+        "gain_down_db": finite(whole.gain_down_db),
+        "delay_ms": finite(whole.delay_ms),
         "spectral_radius": whole.spectral_radius,
     }
     return margins | {"all_at_once": all_at_once}
@@ -254,19 +164,19 @@ def _synthesis(made: AxisDesign | None) -> dict[str, Any] | None:
         "gamma_min": found.optimal,
         "gamma": found.gamma,
         "norm": found.norm,
-        "norm_frequency": _finite(found.frequency),
+        "norm_frequency": finite(found.frequency),
         "route": found.route,
         "routes_apart": found.disagreement,
         "attempts": [
-            {key: _finite(value) if isinstance(value, float) else value for key, value in asdict(one).items()}
+            {key: finite(value) if isinstance(value, float) else value for key, value in asdict(one).items()}
             for one in found.attempts
         ],
         "assumptions": [
             {
                 "name": one.name,
                 "holds": one.holds,
-                "distance": _finite(one.distance),
-                "frequency": _finite(one.frequency),
+                "distance": finite(one.distance),
+                "frequency": finite(one.frequency),
                 "text": one.text,
             }
             for one in found.assumptions
@@ -307,17 +217,9 @@ def _disk(disk: DiskMargin) -> dict[str, Any]:
     return {
         "alpha": disk.alpha,
         "frequency": disk.frequency,
-        "gain_db": _finite(disk.gain_db),
+        "gain_db": finite(disk.gain_db),
         "phase_deg": disk.phase_deg,
     }
-
-
-def _pair(value: complex) -> list[float | None]:
-    return [_finite(value.real), _finite(value.imag)]
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 def _listed(value: Any) -> Any:
