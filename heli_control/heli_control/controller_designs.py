@@ -28,6 +28,17 @@ from heli_control.weights_file import FORMAT, read_weights
 LQ, MOTOR = "lq", "motor"
 DESIGNS = (MOTOR, LQ, *(kind for kind in SCHEMES if kind != MOTOR))
 
+ABOUT = {
+    "motor": "PI of the rotor speed from an H-infinity design of the drive (source sec. 3.1.1)",
+    "lq": "linear quadratic attitude and velocity controller (sec. 3.2.2, 3.2.3)",
+    "skst": "H-infinity S/KS/T, which the source drops (sec. 3.3.2)",
+    "gst": "H-infinity GS/T (sec. 3.3.3)",
+    "gst2": "H-infinity GS/T with two degrees of freedom (sec. 3.3.4)",
+    "ncf": "H-infinity loop shaping (sec. 3.4)",
+    "ncf2": "H-infinity loop shaping with two degrees of freedom (sec. 3.4)",
+}
+"""What each is."""
+
 
 @dataclass(frozen=True, eq=False)
 class Loop:

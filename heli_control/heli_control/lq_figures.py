@@ -12,25 +12,16 @@ from heli_common.linear_model import StateSpace
 from heli_common.timing import CONTROL_PERIOD
 from heli_control.loop_analysis import crossovers, frequency_response, sensitivity_peaks
 from heli_control.lq_axis import AxisDesign, controller_block
+from heli_control.published_gains import LQ_GAINS
 from heli_control.state_space import delayed_zero_order_hold
 
 Array = NDArray[np.float64]
-
-PUBLISHED_GAINS = {
-    "B_1s": {"theta": 1.515, "phi": 0.206, "u": -10.395, "v": 1.901, "q": 0.050, "p": 0.026},
-    "A_1s": {"theta": 0.119, "phi": 1.044, "u": 0.526, "v": 9.308, "q": 0.005, "p": 0.063},
-    "theta_0": {"w": -3.438, "r": 0.0},
-    "theta_t": {"w": 0.0, "r": -0.090},
-}
-"""Source Table 3.1 for u = -K x, deg per deg, deg/s and m/s. The source counts collective the other way."""
 
 MAIN_COMMAND = {
     "theta": "B_1s", "u": "B_1s", "q": "B_1s", "phi": "A_1s", "v": "A_1s", "p": "A_1s",
     "w": "theta_0", "r": "theta_t",
 }  # fmt: skip
 """The command whose loop through a state has a cross-over."""
-
-PUBLISHED_PEAKS_DB = {"S_u": 2.01, "T_u": 2.6}
 
 
 def in_printed_units(
@@ -68,7 +59,7 @@ def figures(plant: StateSpace, design: AxisDesign, delay: float) -> dict[str, An
     main = [design.inputs.index(MAIN_COMMAND[state]) for state in design.states]
     return {
         "gains": in_printed_units(design.continuous, design.states, design.inputs),
-        "gains_published": {command: PUBLISHED_GAINS[command] for command in design.inputs},
+        "gains_published": {command: LQ_GAINS[command] for command in design.inputs},
         "gains_discrete": in_printed_units(design.discrete, design.states, design.inputs),
         "gains_past_commands": design.past.tolist(),
         "poles": _pairs(design.poles),

@@ -35,6 +35,9 @@ _AT_REST, _AT_NYQUIST = 0.03, 1e-9
 """An end of the frequencies counts as real when the imaginary part is below this share: at rest only nearly
 so, because zero itself is often a pole."""
 
+_ROUNDING = 1e-9
+"""Spectral radius and norm of a scalar are the same but for rounding."""
+
 _TURN = 2.0 * math.pi
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
@@ -205,7 +208,7 @@ def disk_margin(loop: Response, omega: Array) -> DiskMargin:
     half = _sensitivity(loop) - 0.5 * np.eye(loop.shape[1])
     # mu lies between spectral radius and norm: scale only where it may be the largest
     surely = np.abs(np.linalg.eigvals(half)).max(axis=1)
-    near = np.flatnonzero(np.linalg.norm(half, 2, axis=(1, 2)) >= surely.max())
+    near = np.flatnonzero(np.linalg.norm(half, 2, axis=(1, 2)) >= (1.0 - _ROUNDING) * surely.max())
     alpha = disk_sizes(loop[near])
     worst = int(near[np.argmin(alpha)])
     size = float(alpha.min())

@@ -16,7 +16,8 @@ from heli_common.timing import CONTROL_PERIOD
 from heli_control.controller_file import ControllerFile, load_controller
 from heli_control.lq import HORIZONTAL_INPUTS, HORIZONTAL_STATES, LqWeights, design_lq
 from heli_control.lq_axis import AxisDesign, controller_block, design_axis, residualised
-from heli_control.lq_figures import PUBLISHED_GAINS, in_printed_units
+from heli_control.lq_figures import in_printed_units
+from heli_control.published_gains import LQ_GAINS
 from heli_control.state_space import delayed_zero_order_hold
 
 MODEL = ModelFile.read(Path(__file__).parent / "data" / "hover_model.yaml")
@@ -55,7 +56,7 @@ def test_main_gains_are_those_of_table_3_1() -> None:
     gains = controller.provenance["horizontal"]["gains"] | controller.provenance["vertical"]["gains"]
     main = [("B_1s", "theta"), ("B_1s", "u"), ("B_1s", "q"), ("A_1s", "phi"), ("A_1s", "v"), ("A_1s", "p")]
     for command, state in [*main, ("theta_0", "w"), ("theta_t", "r")]:
-        assert gains[command][state] == pytest.approx(PUBLISHED_GAINS[command][state], rel=0.005)
+        assert gains[command][state] == pytest.approx(LQ_GAINS[command][state], rel=0.005)
 
 
 def test_continuous_gain_agrees_with_the_hamiltonian_route() -> None:

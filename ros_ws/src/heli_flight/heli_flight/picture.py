@@ -23,7 +23,7 @@ ROLE_COLOURS = {
     LIMIT: "#dc2626",
 }
 _WIDTH = {TRUTH: 0.9, ESTIMATE: 2.4, REFERENCE: 1.1, COMMAND: 1.5}
-_STYLE = {
+STYLE = {
     "font.size": 9.0,
     "axes.edgecolor": "#9ca3af",
     "axes.labelcolor": "#374151",
@@ -35,6 +35,7 @@ _STYLE = {
     "ytick.color": "#4b5563",
     "path.simplify": True,
 }
+"""Of matplotlib, for all pictures of a report."""
 
 
 def colour(curve: Curve) -> str:
@@ -48,7 +49,7 @@ def colour(curve: Curve) -> str:
 
 def draw_png(figure: Figure, dpi: int = 110) -> bytes:
     """The PNG file of a figure."""
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         rows = len(figure.panels)
         size = (6.2, 5.6) if figure.plane else (10.0, 0.9 + 1.75 * rows)
         canvas = Canvas(figsize=size, layout="constrained")

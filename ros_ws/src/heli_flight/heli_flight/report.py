@@ -84,7 +84,7 @@ def write_report(folders: Sequence[Path], out: Path, static: bool = False) -> Re
             drawn.append({**about, "picture": data_uri(png)})
         else:
             drawn.append({**about, "plot": plotly_json(figure).replace("<", "\\u003c")})
-    template = _environment().get_template("report.html")
+    template = page_environment().get_template("report.html")
     html = template.render(
         title=_title(summaries),
         about=summaries[0]["provenance"]["about"] if len(records) == 1 else "",
@@ -157,7 +157,8 @@ def _title(summaries: Sequence[Mapping[str, Any]]) -> str:
     return flown if len(summaries) == 1 else f"{flown}: {len(summaries)} flights"
 
 
-def _environment() -> Environment:
+def page_environment() -> Environment:
+    """Where the pages' templates come from; a name that is not given is an error."""
     return Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,

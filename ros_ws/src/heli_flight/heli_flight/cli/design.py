@@ -1,4 +1,4 @@
-"""`heli design`: from a model file to a controller file."""
+"""`heli design`: from a model file to a controller file, or to the report of all controllers."""
 
 from __future__ import annotations
 
@@ -10,20 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from rich.table import Table
 
 from heli_common.model_file import ModelFile
-from heli_control.controller_designs import DESIGNS, DesignSummary, design
-
-ABOUT = {
-    "motor": "PI of the rotor speed from an H-infinity design of the drive (source sec. 3.1.1)",
-    "lq": "linear quadratic attitude and velocity controller (sec. 3.2.2, 3.2.3)",
-    "skst": "H-infinity S/KS/T, which the source drops (sec. 3.3.2)",
-    "gst": "H-infinity GS/T (sec. 3.3.3)",
-    "gst2": "H-infinity GS/T with two degrees of freedom (sec. 3.3.4)",
-    "ncf": "H-infinity loop shaping (sec. 3.4)",
-    "ncf2": "H-infinity loop shaping with two degrees of freedom (sec. 3.4)",
-}
+from heli_control.controller_designs import ABOUT, DESIGNS, DesignSummary, design
 
 
 def add_parser(words: Any) -> None:
@@ -39,6 +30,51 @@ def add_parser(words: Any) -> None:
         job.add_argument("--weights", type=Path, help="weights file: what differs from the shipped one")
         job.add_argument("--json", action="store_true", help="print the file and its figures as one object")
         job.set_defaults(func=run)
+    _add_report(kinds)
+
+
+def _add_report(kinds: Any) -> None:
+    text = "every controller of a model side by side, the source's figures beside ours: one HTML file"
+    job = kinds.add_parser("report", help=text, description=f"{text[0].upper()}{text[1:]}.")
+    job.add_argument("--model", type=Path, required=True, help="model file (heli model linearize --out)")
+    job.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write")
+    job.add_argument(
+        "--kinds", default=",".join(DESIGNS), help="which, with commas between (default: %(default)s)"
+    )
+    job.add_argument(
+        "--weights", type=Path, metavar="DIR", help="folder with KIND.yaml for those that differ"
+    )
+    job.add_argument("--static", action="store_true", help="pictures instead of interactive plots: no script")
+    job.add_argument("--json", action="store_true", help="print everything in numbers as JSON")
+    job.set_defaults(func=report)
+
+
+def report(options: argparse.Namespace) -> int:
+    """Design all kinds and write the report; a line on stderr says what is being done."""
+    from heli_flight.design_report import write_design_report  # drawing libraries are slow to load
+
+    kinds = [kind.strip() for kind in options.kinds.split(",") if kind.strip()]
+    model = ModelFile.read(options.model)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        line = progress.add_task("starts", total=None)
+        made = write_design_report(
+            model,
+            options.out,
+            kinds,
+            options.weights,
+            static=options.static,
+            told=lambda job, done, all_of: progress.update(
+                line, description=job, completed=done, total=all_of
+            ),
+        )
+    if options.json:
+        sys.stdout.write(json.dumps(made.metrics, allow_nan=False) + "\n")
+        return 0
+    published = made.metrics["published"]
+    sys.stdout.write(f"{published['reproduced']} of {published['of']} published figures reproduced\n")
+    sys.stdout.write(f"report {made.page}\n")
+    return 0
 
 
 def run(options: argparse.Namespace) -> int:
