@@ -1,8 +1,9 @@
 """The five flight controllers on the same plans, seed and room, in any way of running.
 
-Run: python benchmarks/controllers.py [--plans P,P] [--controllers C,C] [--modes M,M] [--seed N] [--json]. Each
-controller flies from its shipped file; `heli fly` does it, so in lockstep and in real time every node is a
-process of its own. The same plan, seed and controller have one hash in every way of running that lost nothing.
+Run: python benchmarks/controllers.py [--plans P,P] [--controllers C,C] [--modes M,M] [--seed N] [--json].
+Each controller flies from its shipped file; `heli fly` does it, so in lockstep and in real time every node is
+a process of its own. The same plan, seed and controller have one hash in every way of running that lost
+nothing.
 """
 
 from __future__ import annotations
