@@ -62,7 +62,7 @@ def gain_table(table: Metrics) -> Table:
             cells.append(
                 (
                     Cell(command if who == "source" else ""),
-                    Cell(who, TEXT if who == "source" else SOFT),
+                    Cell(who, TEXT if who == "source" else "text soft"),
                     *(Cell(number(gains[name], 3) if name in gains else "") for name in columns),
                 )
             )
