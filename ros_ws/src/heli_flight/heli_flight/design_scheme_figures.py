@@ -151,7 +151,7 @@ def reference_chart(summary: DesignSummary, weights: Mapping[str, AxisWeights]) 
                 f"{axis}: controller",
                 tuple(
                     Trace(name, decibel(singular_values(part)[:, 0]), colour)
-                    for colour, (name, part) in enumerate(parts.items())
+                    for colour, (name, part) in zip((0, 2), parts.items(), strict=False)
                 ),
                 range=(-40.0, 50.0),
             )
