@@ -72,7 +72,8 @@ def test_what_the_sweep_refuses() -> None:
         attitude_sweep(MODEL, default_weights("ncf"))
     weights = default_weights("gst")
     axis = weights.axes["horizontal"]
-    blind = replace(axis, weights={**axis.weights, "W_d": {name: replace(one, numerator=(0.0,)) for name, one in axis.weights["W_d"].items()}})  # fmt: skip
+    silent = {name: replace(one, numerator=(0.0,)) for name, one in axis.weights["W_d"].items()}
+    blind = replace(axis, weights={**axis.weights, "W_d": silent})
     (refused,) = attitude_sweep(MODEL, replace(weights, axes={**weights.axes, "horizontal": blind}), (1.0,))
     assert "A4" in refused.refused
     assert refused.figures == {}

@@ -129,8 +129,8 @@ def examination_tables(found: Metrics) -> list[Table]:
     made = [
         Table(
             "Assumption A5 of (B1, C2)",
-            "Smallest singular value of [A − jω, B1; C2, D21] over all frequencies, and where. That of GS/T is "
-            "held down by D21 = W_d, 0.001 or 0.01, at any frequency; no pole of the plant brings it to zero.",
+            "Smallest singular value of [A − jω, B1; C2, D21] over all frequencies, and where. That of "
+            "GS/T is held down by D21 = W_d at any frequency; no pole of the plant brings it to zero.",
             ("axis", "plant", "scheme", "distance", "at [rad/s]", "A5"),
             rank,
         )

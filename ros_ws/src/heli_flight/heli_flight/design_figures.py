@@ -87,7 +87,7 @@ def sweep_chart(rows: Sequence[Mapping[str, Any]]) -> Chart:
     )
     peaks = tuple(
         Trace(label, along(name), colour=number)
-        for number, (name, label) in enumerate((("|S_u|", "|Sᵤ|"), ("|T_u|", "|Tᵤ|")))
+        for name, label, number in (("|S_u|", "|Sᵤ|", 6), ("|T_u|", "|Tᵤ|", 7))
     )
     return Chart(
         "trade_off",

@@ -19,6 +19,8 @@ from heli_flight.picture import FLIGHT_COLOURS, STYLE
 ROW_HEIGHT = 270
 _GRID = "rgba(128,128,128,0.22)"
 _LIMIT = "#dc2626"
+_ONE_LINE = 110
+"""Letters that the names in a picture's legend may have to stand in one line."""
 
 
 def plotly_chart(chart: Chart) -> str:
@@ -159,7 +161,11 @@ def chart_png(chart: Chart, dpi: int = 110) -> bytes:
             color="#111827",
         )
         canvas.legend(
-            known.values(), known.keys(), loc="lower center", ncols=min(len(known), 7), frameon=False
+            known.values(),
+            known.keys(),
+            loc="lower center",
+            ncols=len(known) if sum(map(len, known)) < _ONE_LINE else 6,
+            frameon=False,
         )
         stream = io.BytesIO()
         canvas.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -106,8 +106,14 @@ def write_design_report(
     metrics["trade_off"] = sweep(model, folder) if "gst" in summaries else []
     said("draws", jobs - 1, jobs)
     charts = _charts(summaries, folder, metrics)
-    drawn = [chart for group in charts.values() for chart in group] if static else []
-    pictures = {out / f"{chart.key}.png": chart_png(chart) for chart in drawn}
+    pictures = {
+        out / f"{chart.key}.png": chart_png(
+            replace(chart, title=f"{name}: {chart.title}") if name in summaries else chart
+        )
+        for name, group in charts.items()
+        for chart in group
+        if static
+    }
     html = (
         page_environment()
         .get_template("design.html")

@@ -21,6 +21,11 @@ from heli_flight.design_tables import number, significant
 
 MODEL_FILE = Path(__file__).parents[4] / "heli_control" / "test" / "data" / "hover_model.yaml"
 MODEL = ModelFile.read(MODEL_FILE)
+TITLES = (
+    "Synthesis and order", "Cross-overs", "Loop as designed", "Loop as it flies", "Phase lost",
+    "Source Table 3.1", "Plants", "S/KS/T examined", "Robustness tests", "Assumptions", "Attempts",
+    "Weights of skst",
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -51,8 +56,7 @@ def test_page_says_what_the_numbers_say(report: DesignReport) -> None:
     page, metrics = plain(report.page.read_text()), report.metrics
     assert json.loads((report.page.parent / "design.json").read_text()) == metrics
     assert MODEL.plant_hash in page
-    for title in ("Synthesis and order", "Loop as designed", "Loop as it flies", "Phase lost", "Source Table 3.1",
-                  "Plants", "S/KS/T examined", "Robustness tests", "Assumptions", "Attempts", "Weights of skst"):  # fmt: skip
+    for title in TITLES:
         assert title in page
     (lq, skst) = metrics["controllers"]
     norm = skst["axes"]["horizontal"]["synthesis"]["norm"]
@@ -87,12 +91,11 @@ def test_cancellation_and_violations_are_told(report: DesignReport) -> None:
 
 def test_interactive_page_embeds_plotly_once(tmp_path: Path) -> None:
     told: list[str] = []
-    made = write_design_report(
-        MODEL,
-        tmp_path / "out",
-        ("motor",),
-        told=lambda job, done, all_of: told.append(f"{job} {done}/{all_of}"),
-    )
+
+    def tell(job: str, done: int, all_of: int) -> None:
+        told.append(f"{job} {done}/{all_of}")
+
+    made = write_design_report(MODEL, tmp_path / "out", ("motor",), told=tell)
     text = made.page.read_text()
     assert not re.search(r"<(script|img|link|iframe)[^>]+(src|href)=[\"'](?!data:)", text)
     assert text.count("plotly.js v") == 1
