@@ -197,3 +197,12 @@ def test_loops_at_input_and_output_have_the_same_uniform_margins() -> None:
     nothing = scalar_margins(np.zeros(len(OMEGA), dtype=complex), OMEGA)
     assert math.isinf(nothing.gain_up_db)
     assert nothing.crossovers == ()
+
+
+def test_a_scalar_disk_survives_rounding() -> None:
+    # spectral radius and norm of a scalar may differ in the last bit, either way
+    omega = np.geomspace(0.02, 500.0, 1500)
+    for level in np.linspace(0.7, 40.0, 60):
+        loop = response(first_order(0.0, float(level), 0.1), omega)
+        exact = 1.0 / np.abs(1.0 / (1.0 + loop[:, 0, 0]) - 0.5)
+        assert disk_margin(loop, omega).alpha == pytest.approx(exact.min(), rel=1e-8)

@@ -12,6 +12,9 @@ Array = NDArray[np.float64]
 GREEK = {"theta": "θ", "phi": "φ", "psi": "ψ", "Omega": "Ω"}
 """Signals as they are written in charts."""
 
+SIGNAL_COLOURS = {"theta": 0, "u": 1, "q": 2, "phi": 3, "v": 4, "p": 5, "w": 6, "r": 7, "Omega": 0}
+"""Number of the colour of each signal."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trace:

@@ -62,7 +62,7 @@ def gain_table(table: Metrics) -> Table:
             cells.append(
                 (
                     Cell(command if who == "source" else ""),
-                    Cell(who, TEXT if who == "source" else SOFT),
+                    Cell(who, TEXT if who == "source" else "text soft"),
                     *(Cell(number(gains[name], 3) if name in gains else "") for name in columns),
                 )
             )
@@ -92,8 +92,8 @@ def plant_tables(plants: Mapping[str, Metrics]) -> list[Table]:
         )
         note = (
             f"States {', '.join(plant['states'])}; inputs {', '.join(plant['inputs'])}; outputs "
-            f"{', '.join(plant['outputs'])}. Transmission zeros: {zeros or 'none'}. Largest over smallest "
-            f"singular value: {condition}."
+            f"{', '.join(plant['outputs'])}. Transmission zeros: {zeros or 'none'}. Condition number "
+            f"(singular values): {condition}."
         )
         header = ("pole [rad/s]", "size", "controllability", "observability")
         made.append(Table(f"{axis.capitalize()} plant", note, header, cells))
@@ -129,7 +129,8 @@ def examination_tables(found: Metrics) -> list[Table]:
     made = [
         Table(
             "Assumption A5 of (B1, C2)",
-            "Smallest singular value of [A − jω, B1; C2, D21] over all frequencies, and where.",
+            "Smallest singular value of [A − jω, B1; C2, D21] over all frequencies, and where. That of "
+            "GS/T is held down by D21 = W_d at any frequency; no pole of the plant brings it to zero.",
             ("axis", "plant", "scheme", "distance", "at [rad/s]", "A5"),
             rank,
         )

@@ -12,7 +12,7 @@ from heli_control.flight_plants import DRIVE, FLIGHT_AXES
 from heli_control.margins import S_LIMIT_DB, T_LIMIT_DB
 from heli_control.realisation import Array
 from heli_control.schemes import AxisWeights
-from heli_flight.design_charts import GREEK, Chart, Marker, Plot, Trace, decibel
+from heli_flight.design_charts import GREEK, SIGNAL_COLOURS, Chart, Marker, Plot, Trace, decibel
 from heli_flight.design_responses import (
     OMEGA,
     LoopResponses,
@@ -82,12 +82,12 @@ def sweep_chart(rows: Sequence[Mapping[str, Any]]) -> Chart:
         return np.array([row.get(name, np.nan) for row in rows], dtype=np.float64)
 
     paths = tuple(
-        Trace(GREEK.get(name, name), along(name), colour=number)
-        for number, name in enumerate(("theta", "u", "q", "phi", "v", "p"))
+        Trace(GREEK.get(name, name), along(name), SIGNAL_COLOURS[name])
+        for name in ("theta", "u", "q", "phi", "v", "p")
     )
     peaks = tuple(
         Trace(label, along(name), colour=number)
-        for number, (name, label) in enumerate((("|S_u|", "|Sᵤ|"), ("|T_u|", "|Tᵤ|")))
+        for name, label, number in (("|S_u|", "|Sᵤ|", 6), ("|T_u|", "|Tᵤ|", 7))
     )
     return Chart(
         "trade_off",
@@ -115,17 +115,9 @@ def _loops_chart(summary: DesignSummary, found: Mapping[str, LoopResponses]) -> 
             # L_e and T_e have the rank of the inputs; the rest of their singular values is zero
             last = at_output.shape[1] - 1 if name == "S" else m - 1
             traces = [
-                Trace(
-                    "at the input" if index == 0 else "at the input, smallest", decibel(at_input[:, index]), 0
-                )
-                for index in sorted({0, m - 1})
-            ]
-            traces += [
-                Trace(
-                    "at the output" if index == 0 else "at the output, smallest",
-                    decibel(at_output[:, index]),
-                    1,
-                )
+                Trace("at the input", decibel(at_input[:, index]), 0) for index in sorted({0, m - 1})
+            ] + [
+                Trace("at the output", decibel(at_output[:, index]), 1, dashed=True)
                 for index in sorted({0, last})
             ]
             markers = published_values(
@@ -157,16 +149,13 @@ def _paths_chart(summary: DesignSummary, found: Mapping[str, LoopResponses]) -> 
             if not set(names) & set(loop.outputs):
                 continue
             each, traces, markers = found[axis], [], []
-            for number, name in enumerate(names):
-                index = loop.outputs.index(name)
+            for name in names:
+                index, colour = loop.outputs.index(name), SIGNAL_COLOURS[name]
                 path = np.einsum("ki,ki->k", each.plant[:, index, :], each.controller[:, :, index])
-                label = GREEK.get(name, name)
-                traces.append(Trace(label, decibel(np.abs(path)), number))
-                wanted = "crossover" if name == "Omega" else name
-                for value in published_values(summary.kind, axis, wanted) + published_values(
-                    summary.kind, axis, f"{name}, lower"
-                ):
-                    markers.append(Marker(f"{label} published", value, 0.0, number))
+                traces.append(Trace(GREEK.get(name, name), decibel(np.abs(path)), colour))
+                for wanted in ("crossover" if name == "Omega" else name, f"{name}, lower"):
+                    values = published_values(summary.kind, axis, wanted)
+                    markers += [Marker("published", value, 0.0, colour) for value in values]
             plots.append(Plot(title, tuple(traces), tuple(markers), range=(-50.0, 40.0)))
     caption = (
         "One measured signal closed through all commands, the others open; diamonds: published cross-overs."

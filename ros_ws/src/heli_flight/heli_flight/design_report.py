@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -62,16 +62,16 @@ def write_design_report(
     weights: Path | None = None,
     *,
     static: bool = False,
-    told: Told = lambda *_: None,
+    told: Told | None = None,
 ) -> DesignReport:
     """Design every kind for a model and write the report.
 
     Args:
         model: to design for.
-        out: folder for `design.html`, `design.json` and the pictures.
+        out: folder for `design.html` and `design.json`.
         kinds: which of `DESIGNS`, in the order shown.
         weights: folder with `KIND.yaml` for every kind whose weights differ from the shipped ones.
-        static: pictures instead of interactive plots in the page.
+        static: pictures instead of interactive plots in the page, and beside it.
         told: called before each job with its name, how many are done and how many there are.
 
     Raises:
@@ -84,14 +84,14 @@ def write_design_report(
         raise InputError("no kind given", allowed=", ".join(DESIGNS), key="kinds")
     if weights is not None and not weights.is_dir():
         raise InputError("is no folder", allowed="a folder with KIND.yaml", file=weights, key="weights")
-    folder, jobs = WeightsFolder(weights), len(kinds) + 3
+    folder, jobs, said = WeightsFolder(weights), len(kinds) + 3, told or _silent
     summaries: dict[str, DesignSummary] = {}
     controllers = []
     for number, kind in enumerate(dict.fromkeys(kinds)):
-        told(f"designs {kind}", number, jobs)
+        said(f"designs {kind}", number, jobs)
         summaries[kind] = designed(kind, model, folder)
         controllers.append(controller_metrics(summaries[kind]))
-    told("examines plants and S/KS/T", jobs - 3, jobs)
+    said("examines plants and S/KS/T", jobs - 3, jobs)
     rows = [row for controller in controllers for row in controller["published"]]
     metrics: dict[str, Any] = {
         "model": {"name": model.name, "plant_hash": model.plant_hash, "source": dict(model.source)},
@@ -102,11 +102,18 @@ def write_design_report(
         "examination": examination(model, folder, summaries) if "skst" in summaries else None,
         "software": software(),
     }
-    told("sweeps the trade-off", jobs - 2, jobs)
+    said("sweeps the trade-off", jobs - 2, jobs)
     metrics["trade_off"] = sweep(model, folder) if "gst" in summaries else []
-    told("draws", jobs - 1, jobs)
+    said("draws", jobs - 1, jobs)
     charts = _charts(summaries, folder, metrics)
-    pictures = {out / f"{chart.key}.png": chart_png(chart) for group in charts.values() for chart in group}
+    pictures = {
+        out / f"{chart.key}.png": chart_png(
+            replace(chart, title=f"{name}: {chart.title}") if name in summaries else chart
+        )
+        for name, group in charts.items()
+        for chart in group
+        if static
+    }
     html = (
         page_environment()
         .get_template("design.html")
@@ -127,8 +134,12 @@ def write_design_report(
             write_atomically(path, png)
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", file=error.filename or page) from None
-    told("done", jobs, jobs)
+    said("done", jobs, jobs)
     return DesignReport(page, tuple(pictures), metrics)
+
+
+def _silent(_job: str, _done: int, _all_of: int) -> None:
+    """For those who do not want to know."""
 
 
 def _charts(
@@ -207,9 +218,9 @@ def _tiles(metrics: Mapping[str, Any]) -> list[tuple[str, str, str]]:
             tiles.append(("both routes agree within", f"{max(apart):.0e}", ""))
     if entries:
         name, entry = min(entries, key=lambda pair: float(pair[1]["flown"]["disk"]["alpha"]))
-        tiles.append(("smallest disk margin as flown", f"{entry['flown']['disk']['alpha']:.2f}", name))
+        tiles.append((f"smallest disk margin as flown: {name}", f"{entry['flown']['disk']['alpha']:.2f}", ""))
         name, entry = max(entries, key=lambda pair: float(pair[1]["continuous"]["peak_T_db"]))
-        tiles.append(("largest |T_u|", f"{entry['continuous']['peak_T_db']:.2f}", f"dB, {name}"))
+        tiles.append((f"largest |T_u|: {name}", f"{entry['continuous']['peak_T_db']:.2f}", "dB"))
         name, entry = max(entries, key=lambda pair: float(pair[1]["continuous"]["peak_S_db"]))
-        tiles.append(("largest |S_u|", f"{entry['continuous']['peak_S_db']:.2f}", f"dB, {name}"))
+        tiles.append((f"largest |S_u|: {name}", f"{entry['continuous']['peak_S_db']:.2f}", "dB"))
     return tiles

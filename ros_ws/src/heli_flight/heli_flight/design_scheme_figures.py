@@ -10,8 +10,8 @@ from heli_control.controller_designs import DesignSummary
 from heli_control.flight_plants import DRIVE, REFERENCES
 from heli_control.motor_controller_file import MotorControllerFile
 from heli_control.realisation import response, series, unnamed
-from heli_control.schemes import AxisWeights
-from heli_flight.design_charts import Chart, Marker, Plot, Trace, decibel
+from heli_control.schemes import SCHEMES, AxisWeights
+from heli_flight.design_charts import SIGNAL_COLOURS, Chart, Marker, Plot, Trace, decibel
 from heli_flight.design_responses import (
     OMEGA,
     LoopResponses,
@@ -134,22 +134,24 @@ def reference_chart(summary: DesignSummary, weights: Mapping[str, AxisWeights]) 
         traces = []
         for number, index in enumerate(plant.followed):
             name = plant.si.outputs[index]
+            colour = SIGNAL_COLOURS[name]
             traces.append(
-                Trace(f"{name} / {REFERENCES[name]}", decibel(np.abs(closed[:, index, number])), number)
+                Trace(f"{name} over {REFERENCES[name]}", decibel(np.abs(closed[:, index, number])), colour)
             )
             if "T_yr" in weights[axis].weights:
                 wanted = weights[axis].weights["T_yr"][name].at(np.asarray(1j * OMEGA, dtype=np.complex128))
-                traces.append(Trace(f"model of {name}", decibel(np.abs(wanted)), number, dashed=True))
+                traces.append(Trace(f"model of {name}", decibel(np.abs(wanted)), colour, dashed=True))
         from_reference.append(Plot(f"{axis}: from reference", tuple(traces), range=(-40.0, 10.0)))
         scale = plant.input_scales[:, None]
-        k_y = k[:, :, :p] * plant.output_scales / scale
-        k_r = k[:, :, p:] * plant.output_scales[list(plant.followed)] / scale
+        parts = {"K_y": k[:, :, :p] * plant.output_scales / scale}
+        if SCHEMES[summary.kind].two_degrees:
+            parts["K_r"] = k[:, :, p:] * plant.output_scales[list(plant.followed)] / scale
         compensators.append(
             Plot(
                 f"{axis}: controller",
-                (
-                    Trace("K_y", decibel(singular_values(k_y)[:, 0]), 0),
-                    Trace("K_r", decibel(singular_values(k_r)[:, 0]), 1),
+                tuple(
+                    Trace(name, decibel(singular_values(part)[:, 0]), colour)
+                    for colour, (name, part) in zip((0, 2), parts.items(), strict=False)
                 ),
                 range=(-40.0, 50.0),
             )

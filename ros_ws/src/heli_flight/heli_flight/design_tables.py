@@ -41,7 +41,7 @@ class Table:
 
 def number(value: float | None, digits: int = 2, missing: str = NOTHING) -> str:
     """A number with a fixed number of digits behind the point."""
-    return missing if value is None else f"{value:.{digits}f}".replace("-", "−")
+    return missing if value is None else f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")
 
 
 def significant(value: float | None, digits: int = 3) -> str:
