@@ -49,7 +49,7 @@ class Search:
     stepwise: bool = True
     iterations: int = 40
     stage_iterations: int = 4
-    tolerance: float = 1e-5
+    tolerance: float = 1e-3
     correlation_time: float = 1.0
 
 
