@@ -63,7 +63,8 @@ def servo_positions(
     whole[:2] = [[0.0, 1.0, 0.0], [-w * w, -2.0 * z * w, w * w]]
     held = expm(whole * seconds)[:2]
     decay = exp(-2.0 * z * w * seconds)
-    shaft, rate = latched[0].copy(), np.zeros(len(levers))
+    shaft: Array = latched[0].copy()
+    rate: Array = np.zeros(len(levers))
     found = np.empty((len(grid), len(levers)))
     for index, asked in enumerate(latched):
         found[index] = shaft
