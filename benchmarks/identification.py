@@ -1,11 +1,12 @@
 """Identification on the linear twin: are claimed errors true, how near is the Cramer-Rao bound, what does
 it cost.
 
-Run: python benchmarks/identification.py [--seeds N] [--workers N] [--json] [--approaches] [--peers PYTHON].
-Flies the servo-rotor model with the arms' friction in closed loop, 60 s at 100 Hz, under a PRBS on both
-cyclics, with gusts and the navigation's noise, once for each seed, and estimates every flight from
-perturbed start values. --approaches compares direct, projection, indirect and joint approach in white and
-in coloured gusts instead. --peers names a Python that has sippy-unipi; its ARMAX is timed on the same data.
+Run: python benchmarks/identification.py [--seeds N] [--first SEED] [--workers N] [--json] [--approaches]
+[--peers PYTHON]. Flies the servo-rotor model with the arms' friction in closed loop, 60 s at 100 Hz, under
+a PRBS on both cyclics, with gusts and the navigation's noise, once for each seed, and estimates every
+flight from perturbed start values. --approaches compares direct, projection, indirect and joint approach in
+white and in coloured gusts instead. --peers names a Python that has sippy-unipi; its ARMAX is timed on the
+same data.
 """
 
 from __future__ import annotations
@@ -246,6 +247,7 @@ def main() -> None:
         "--twin", action="store_true", help="the linear twin (the only data there are, so far)"
     )
     parser.add_argument("--seeds", type=int, default=50, help="flights (default: 50)")
+    parser.add_argument("--first", type=int, default=1, help="first seed (default: 1)")
     parser.add_argument("--workers", type=int, default=2, help="processes (default: 2)")
     parser.add_argument("--approaches", action="store_true", help="compare the four approaches")
     parser.add_argument("--peers", metavar="PYTHON", help="a Python that has sippy-unipi")
@@ -253,7 +255,7 @@ def main() -> None:
     options = parser.parse_args()
     if options.seeds < 2:
         parser.error(f"--seeds {options.seeds} is less than 2")
-    told, seeds = Console(stderr=True), range(1, options.seeds + 1)
+    told, seeds = Console(stderr=True), range(options.first, options.first + options.seeds)
     result: dict[str, Any] = {}
     if options.approaches:
         for gust, time in (("white", 0.0), ("coloured", GUST_TIME)):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from heli_common.errors import InputError
 from heli_identification.criterion import Criterion
+from heli_identification.levenberg_marquardt import Step, minimise
 from heli_identification.parametrisation import Noise, Parametrisation
 from heli_identification.records import Record
 from heli_identification.residual_tests import residuals_white
@@ -31,9 +32,6 @@ from heli_identification.uncertainty import (
 
 Array = NDArray[np.float64]
 
-LONGEST_STEP = 3.0
-"""Of an unknown in one step: several times its expected size, or a factor of 20 in a variance."""
-
 
 @dataclass(frozen=True)
 class Search:
@@ -49,17 +47,8 @@ class Search:
     stepwise: bool = True
     iterations: int = 40
     stage_iterations: int = 4
-    tolerance: float = 1e-5
+    tolerance: float = 1e-3
     correlation_time: float = 1.0
-
-
-@dataclass(frozen=True)
-class Step:
-    """One accepted step of the search: stage, criterion before it, expected gain."""
-
-    stage: str
-    cost: float
-    gain: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,9 +173,9 @@ def estimate(
             active[: len(structure.free_names)] = [name in freed for name in structure.free_names]
             if active[: len(structure.free_names)].any():
                 limits = (how.stage_iterations, 1.0)
-                vector, _ = _minimise(criterion, vector, active, limits, " ".join(stage), steps)
+                vector, _ = minimise(criterion, vector, active, limits, " ".join(stage), steps)
     last = (how.iterations, how.tolerance)
-    vector, converged = _minimise(criterion, vector, everything, last, "all", steps)
+    vector, converged = minimise(criterion, vector, everything, last, "all", steps)
     return _estimate(criterion, vector, converged, tuple(steps), how)
 
 
@@ -203,45 +192,6 @@ def _check(structure: Structure, records: Sequence[Record]) -> None:
         if record.period != records[0].period:
             problem = f"sample time {record.period} s beside {records[0].period} s"
             raise InputError(problem, allowed="one sample time", key=record.name)
-
-
-def _minimise(
-    criterion: Criterion,
-    vector: Array,
-    active: NDArray[np.bool_],
-    limits: tuple[int, float],
-    stage: str,
-    steps: list[Step],
-) -> tuple[Array, bool]:
-    """Levenberg-Marquardt over the active unknowns; adds its steps to the list."""
-    iterations, tolerance = limits
-    damping, evaluation = 1e-4, criterion.evaluate(vector)
-    for _ in range(iterations):
-        information = evaluation.information[np.ix_(active, active)]
-        gradient = evaluation.gradient[active]
-        diagonal = np.maximum(np.diag(information), 1e-9)
-        accepted = False
-        while damping < 1e8:
-            step = -np.linalg.solve(information + np.diag(damping * diagonal), gradient)
-            step *= min(1.0, LONGEST_STEP / max(1e-300, float(np.max(np.abs(step)))))
-            gain = float(-gradient @ step - 0.5 * step @ information @ step)
-            candidate = vector.copy()
-            candidate[active] += step
-            cost = criterion.cost(candidate)
-            if cost <= evaluation.cost:
-                accepted = True
-                break
-            if gain < tolerance:
-                break
-            damping *= 10.0
-        if not accepted:
-            return vector, gain < 1e2 * tolerance
-        steps.append(Step(stage, evaluation.cost, gain))
-        vector, damping = candidate, max(damping / 10.0, 1e-10)
-        evaluation = criterion.evaluate(vector)
-        if gain < tolerance:
-            return vector, True
-    return vector, False
 
 
 def _estimate(

@@ -60,6 +60,7 @@ def prepare(
     source: InputSource = InputSource.ACTUATOR,
     averaging: bool = False,
     operating_point: Mapping[str, float] | None = None,
+    excited: bool = True,
 ) -> tuple[Record, dict[str, float]]:
     """One record for a structure, and the operating point about which it holds.
 
@@ -70,6 +71,7 @@ def prepare(
         source: measured actuators, or commands with the servos' timing.
         averaging: the source's filter, forward and backward; coarse, see `averaged`.
         operating_point: values that are subtracted, by signal name; by default the means of the segment.
+        excited: whether data are refused that do not bear an estimate; validation needs no excitation.
 
     Raises:
         InputError: a signal is missing, empty, too short, sampled otherwise, constant, or not excited.
@@ -82,14 +84,15 @@ def prepare(
     m, p = len(inputs), len(outputs)
     u = columns[:, :m]
     if source is InputSource.COMMAND and structure.inputs != ("U_mot",):
-        u = servo_positions(stamps, u)
+        u = servo_positions(stamps, u, structure.inputs)
     r = columns[:, m + p :] if len(external) == m else None
     record = Record(
         signals.name, CONTROL_PERIOD, structure.inputs, structure.outputs, u, columns[:, m : m + p], r
     )
     if averaging:
         record = averaged(record)
-    require_excited(record, structure)
+    if excited:
+        require_excited(record, structure)
     return centred(record, operating_point)
 
 

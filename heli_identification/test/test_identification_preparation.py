@@ -116,20 +116,35 @@ def test_missing_empty_and_wrong_rate() -> None:
 
 def test_servo_latches_every_second_command() -> None:
     stamps = np.arange(12, dtype=np.int64) * TICK
-    commands = np.zeros((12, 1))
-    commands[3] = 1.0  # 30 ms: no frame begins with it
-    assert np.all(servo_positions(stamps, commands) == 0.0)
-    commands[4:] = 1.0  # 40 ms: latched at 45 ms
-    found = servo_positions(stamps, commands)[:, 0]
+    commands, size = np.zeros((12, 1)), 0.01
+    commands[3] = size  # 30 ms: no frame begins with it
+    assert np.all(servo_positions(stamps, commands, ("theta_0",)) == 0.0)
+    commands[4:] = size  # 40 ms: latched at 45 ms
+    found = servo_positions(stamps, commands, ("theta_0",))[:, 0]
     assert np.all(found[:5] == 0.0)
     # second order, 5 ms after the latch, by its closed formula
     w, z, t = 50.0 * math.pi, 0.7, 0.005
     damped = w * math.sqrt(1.0 - z * z)
     step = 1.0 - math.exp(-z * w * t) * (math.cos(damped * t) + z * w / damped * math.sin(damped * t))
-    assert found[5] == pytest.approx(step, rel=1e-9)
-    assert found[-1] == pytest.approx(1.0, abs=0.01)
+    assert found[5] == pytest.approx(size * step, rel=1e-9)
+    assert found[-1] == pytest.approx(size, rel=0.01)
+
+
+def test_servo_is_no_faster_than_its_rate() -> None:
+    """A large step of B_1s: the servo at the nose moves six times as far, at 500 deg/s."""
+    stamps = np.arange(12, dtype=np.int64) * TICK
+    commands = np.zeros((12, 2))
+    commands[4:, 0] = 0.1
+    found = servo_positions(stamps, commands, ("B_1s", "A_1s"), ServoTiming(bandwidth=900.0))
+    slope = np.diff(found[5:7, 0])[0] / 0.01
+    # the other two shafts go half as far: free, they are ahead, so the plate lies between both rates
+    assert math.radians(500.0) / 6.0 <= slope <= 2.0 * math.radians(500.0) / 6.0
+    assert found[:, 1] == pytest.approx(np.zeros(12), abs=1e-12)
 
 
 def test_servo_stands_at_the_first_command() -> None:
     stamps, commands = np.arange(10, dtype=np.int64) * TICK, np.full((10, 2), 0.3)
-    assert servo_positions(stamps, commands, ServoTiming(damping=0.5)) == pytest.approx(commands)
+    names = ("theta_0", "theta_t")
+    assert servo_positions(stamps, commands, names, ServoTiming(damping=0.5)) == pytest.approx(commands)
+    with pytest.raises(ValueError, match="'U_mot' is none of"):
+        servo_positions(stamps, commands[:, :1], ("U_mot",))

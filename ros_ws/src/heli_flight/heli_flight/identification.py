@@ -125,7 +125,7 @@ def identify(flights: Sequence[FlightRecord], choice: Choice, prior: ModelFile |
     judged = None
     if validation:
         others = [
-            prepare(flight_signals(flight), structure, segment, source=choice.source)[0]
+            prepare(flight_signals(flight), structure, segment, source=choice.source, excited=False)[0]
             for flight, segment in validation
         ]
         judged = fit(estimate.structure, others, hold=Hold.LINEAR, segment=SIMULATED)
@@ -173,6 +173,12 @@ def _segments(flights: Sequence[FlightRecord], choice: Choice) -> tuple[list[Pie
 
 def _estimate(structure: Structure, records: Sequence[Record], choice: Choice) -> Estimate:
     if choice.method == "pem":
+        if choice.averaging and choice.noise is not Noise.OUTPUT_ERROR:
+            raise InputError(
+                f"{choice.noise.value} on averaged data, whose noise is no longer white",
+                allowed=f"{Noise.OUTPUT_ERROR.value}, as in the source, or raw data",
+                key="--noise",
+            )
         return prediction_error(structure, records, noise=choice.noise, hold=Hold.LINEAR)
     if choice.method == "projection":
         return projection(structure, records, hold=Hold.LINEAR)

@@ -149,6 +149,7 @@ def test_other_methods_and_words(bag: Path, tmp_path: Path, capsys: pytest.Captu
         (["--structure", "vertical", "--estimate", "4-20"], "output w is constant"),
         (["--estimate", "4-13", "--validate", "14-16"], "2.0 s of validation data"),
         (["--prior", "nowhere.yaml"], "cannot be read"),
+        (["--averaged", "--estimate", "4-13"], "--noise: kalman on averaged data"),
     ],
 )
 def test_refusals(
