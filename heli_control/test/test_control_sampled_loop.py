@@ -18,6 +18,7 @@ from heli_control.lq import (
 from heli_control.lq_axis import controller_block, design_axis
 from heli_control.margins import loop_margins, uniform_margins
 from heli_control.realisation import first_order, named
+from heli_control.rig_plant import with_friction
 from heli_control.sampled_loop import (
     LoopTiming,
     SampledLoop,
@@ -26,7 +27,6 @@ from heli_control.sampled_loop import (
     opened,
     sampled_margins,
     spectral_radius,
-    with_friction,
 )
 
 MODEL = ModelFile.read(Path(__file__).parent / "data" / "hover_model.yaml")

@@ -26,20 +26,18 @@ from heli_common.errors import InputError, SafetyStop
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_control.attitude_control import AttitudeController
 from heli_control.controller_file import AXES, ControllerAxis, ControllerFile
+from heli_control.motor_control import governor_law
+from heli_control.motor_controller_file import load_motor_controller
 from heli_control.position_control import PositionParameters
 from heli_control.position_loop import with_position_law, with_positions
-from heli_control.sampled_loop import (
-    LoopTiming,
-    SampledLoop,
-    SampledMargins,
-    sampled_margins,
-    with_friction,
-)
+from heli_control.rig_plant import MEASURED_SPEED, with_friction, with_speed_sensor
+from heli_control.sampled_loop import NO_CONTROLLER, LoopTiming, SampledLoop, SampledMargins, sampled_margins
 from heli_flight.components import DEFAULTS, bench_simulator, controllers, supervisor
 from heli_flight.in_process import InProcessGraph
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Plan
 from heli_flight.plan_phases import Home, Hover, RunUp, Step, TakeOff
+from heli_navigation.navigator import NavigationParameters
 
 HIGHEST_DB = 30.0
 """Where the search begins; beyond it the margin counts as infinite."""
@@ -121,6 +119,9 @@ def multiplied(controller: ControllerFile, axis: str, factor: float) -> Controll
 def linear_loop(controller: ControllerFile, axis: str, values: NodeValues = DEFAULTS) -> SampledLoop:
     """The bench linearised at its own trim, with friction and position law, around a controller.
 
+    The vertical one has the drive and its governor in it, within the current limit: a collective that swings
+    at 50 rad/s is too fast for the governor, and the torque of the shaft turns the body.
+
     Args:
         controller: any; one without velocity references flies without position law.
         axis: `horizontal` or `vertical`.
@@ -132,8 +133,13 @@ def linear_loop(controller: ControllerFile, axis: str, values: NodeValues = DEFA
     if axis not in AXES:
         raise InputError(f"{axis!r} is no axis", allowed=", ".join(AXES), key="axis")
     bench = values.build_groups(topics.BENCH_SIM, BenchParameters)
-    model = linearize.horizontal if axis == "horizontal" else linearize.vertical
-    plant = model(bench.helicopter, trim(bench.helicopter))
+    point, inner = trim(bench.helicopter), NO_CONTROLLER
+    if axis == "horizontal":
+        plant = linearize.horizontal(bench.helicopter, point)
+    else:
+        plant = with_speed_sensor(linearize.vertical_with_drive(bench.helicopter, point), bench.hall.lag)
+        low_pass = values.build(topics.NAVIGATION, NavigationParameters).rotor_bandwidth
+        inner = governor_law(load_motor_controller("motor").parameters, low_pass, MEASURED_SPEED)
     arms = {"u": bench.friction.viscous_x, "v": bench.friction.viscous_y, "w": bench.friction.viscous_z}
     viscous = {name: value for name, value in arms.items() if name in plant.states}
     plant = with_positions(with_friction(plant, viscous, bench.helicopter.mass))
@@ -142,7 +148,7 @@ def linear_loop(controller: ControllerFile, axis: str, values: NodeValues = DEFA
         law = with_position_law(law, values.build(topics.POSITION_CONTROLLER, PositionParameters))
     timing = LoopTiming()
     timing = replace(timing, latency_ns=timing.latency_ns + bench.link.dead_time_ns)
-    return SampledLoop(plant, law, timing, bench.servo.bandwidth, bench.servo.damping)
+    return SampledLoop(plant, law, timing, bench.servo.bandwidth, bench.servo.damping, inner)
 
 
 class MarginFlight:
