@@ -1,7 +1,8 @@
 """The gain margin of controllers in simulated flight beside that of the linear loop as it flies.
 
 Run: python benchmarks/flown_margin.py [CONTROLLER ...] [--axis horizontal|vertical] [--seed N] [--json].
-A controller is a shipped name or a file; default: all shipped ones.
+A controller is a shipped name or a file; default: all shipped ones. One whose loop is not stable has no
+margin and is named under the table.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import asdict
 from rich.console import Console
 from rich.table import Table
 
+from heli_common.errors import SafetyStop
 from heli_control.controller_file import AXES, load_controller, shipped_controllers
 from heli_flight.flown_margin import flown_margin
 
@@ -25,9 +27,13 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    results = [
-        flown_margin(load_controller(name), options.axis, seed=options.seed) for name in options.controllers
-    ]
+    results, refused = [], []
+    for name in options.controllers:
+        controller = load_controller(name)
+        try:
+            results.append(flown_margin(controller, options.axis, seed=options.seed))
+        except (SafetyStop, ValueError) as error:
+            refused.append(f"{name}: {error}")
     if options.json:
         rows = [asdict(result) | {"difference_db": result.difference_db} for result in results]
         Console().print_json(json.dumps(rows))
@@ -51,7 +57,7 @@ def main() -> None:
             f"{result.linear.delay_ms:.1f}",
             flown,
         )
-    Console().print(table)
+    Console().print(table, *refused, sep="\n")
 
 
 if __name__ == "__main__":

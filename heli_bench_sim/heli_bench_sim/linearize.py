@@ -35,6 +35,8 @@ VERTICAL_STATES = ("w", "r", "V_i", "V_t")
 VERTICAL_INPUTS = ("theta_0", "theta_t")
 VERTICAL_OUTPUTS = ("w", "r")
 
+DRIVE_STATES, DRIVE_INPUTS, DRIVE_OUTPUTS = ("Omega", "M_A"), ("U_mot",), ("Omega",)
+
 NO_LOAD = np.zeros(3)
 
 
@@ -150,6 +152,21 @@ def vertical(parameters: HelicopterParameters, trim: Trim) -> StateSpace:
     """
     model = linearize(parameters, trim, rotor_speed_held=True)
     return model.part(VERTICAL_STATES, VERTICAL_INPUTS, VERTICAL_OUTPUTS)
+
+
+def vertical_with_drive(parameters: HelicopterParameters, trim: Trim) -> StateSpace:
+    """Vertical motion, yaw and drive: w r V_i V_t Omega M_A; nothing holds the rotor speed.
+
+    The collective slows the rotor, and what the motor makes of that turns the body: on the bench yaw feels
+    both collectives through the drive (source sec. 2.3.3).
+
+    Args:
+        parameters: the helicopter.
+        trim: the operating point.
+    """
+    return linearize(parameters, trim).part(
+        VERTICAL_STATES + DRIVE_STATES, VERTICAL_INPUTS + DRIVE_INPUTS, VERTICAL_OUTPUTS + DRIVE_OUTPUTS
+    )
 
 
 @dataclass(frozen=True)

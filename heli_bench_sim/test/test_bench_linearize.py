@@ -16,6 +16,7 @@ from heli_bench_sim.linearize import (
     linearize,
     speed_derivatives,
     vertical,
+    vertical_with_drive,
 )
 from heli_bench_sim.parameters import HelicopterParameters, constants, physical_tail, thesis
 from heli_bench_sim.states import INPUT_NAMES, MEASURED_NAMES, STATE_NAMES
@@ -70,6 +71,18 @@ def test_slow_horizontal_poles(name: str, pairs: tuple[complex, complex]) -> Non
     slow = horizontal(SETS[name], TRIMS[name]).poles[4:]
     for pair in pairs:
         assert np.abs(slow - pair).min() < 1e-3
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_drive_whose_torque_holds_the_rotor_speed_is_the_ideal_governor(name: str) -> None:
+    """With M_A such that Omega' = 0 the model with drive is that of the held rotor speed."""
+    full, held = vertical_with_drive(SETS[name], TRIMS[name]), vertical(SETS[name], TRIMS[name])
+    omega, torque = full.states.index("Omega"), full.states.index("M_A")
+    share = full.A[:4, torque] / full.A[omega, torque]
+    np.testing.assert_allclose(full.A[:4, :4] - np.outer(share, full.A[omega, :4]), held.A, atol=1e-6)
+    np.testing.assert_allclose(full.B[:4, :2] - np.outer(share, full.B[omega, :2]), held.B, atol=1e-6)
+    assert full.states[:4] == held.states
+    assert full.outputs == ("w", "r", "Omega")
 
 
 def test_vertical_poles() -> None:

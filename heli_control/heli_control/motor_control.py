@@ -21,11 +21,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import exp
 
 from heli_common import topics
 from heli_common.component import Message, StampJoin
 from heli_common.finite import require_finite
 from heli_common.flight_state import FlightState
+from heli_common.linear_model import StateSpace
 from heli_common.quantities import quantity
 from heli_common.timing import CONTROL_PERIOD
 from heli_control.received import flight_state
@@ -94,6 +96,32 @@ class SpeedGovernor:
     def reset(self) -> None:
         """Forget the integral."""
         self.integral = 0.0
+
+
+def governor_law(parameters: MotorParameters, bandwidth: float, speed: str) -> StateSpace:
+    """The governor within its limits at 100 Hz, behind the low-pass of the navigation.
+
+        f = f- + (1 - exp(-omega T)) (Omega - f-),  U = I - K_p f,  I+ = I - K_p T / T_i f
+
+    Args:
+        parameters: gains.
+        bandwidth: omega of the low-pass [rad/s].
+        speed: name of the rotor speed that goes in.
+
+    Returns:
+        rotor speed to control voltage, `U_mot`, both as deviations.
+    """
+    kept = exp(-bandwidth * CONTROL_PERIOD)
+    gain, rate = parameters.gain, parameters.gain * CONTROL_PERIOD / parameters.integral_time
+    return StateSpace(
+        ("speed_filtered", "integral_speed"),
+        (speed,),
+        ("U_mot",),
+        [[kept, 0.0], [-rate * kept, 1.0]],  # type: ignore[arg-type]
+        [[1.0 - kept], [-rate * (1.0 - kept)]],  # type: ignore[arg-type]
+        [[-gain * kept, 1.0]],  # type: ignore[arg-type]
+        [[-gain * (1.0 - kept)]],  # type: ignore[arg-type]
+    )
 
 
 class MotorController:

@@ -9,12 +9,14 @@ per frame the loop is linear and periodic: seen once per frame it is an ordinary
 from the frame latched to the command that the next latch finds. Closed, with the commands times k, it has the
 matrix A + k B C. A frequency response of this loop exists on the grid of the frames; at 100 Hz there is none,
 because every other command is never latched.
+
+A second controller of the same rate may act without frames, each command as soon as it is there: the motor's.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +32,8 @@ _GAIN_STEP_DB, _GAIN_RANGE_DB = 0.25, 60.0
 _DELAY_STEP, _DELAY_RANGE = 0.001, 0.5
 _HALVINGS = 20
 
+NO_CONTROLLER = StateSpace((), (), (), *(np.zeros((0, 0)) for _ in "ABCD"))
+
 
 @dataclass(frozen=True)
 class LoopTiming:
@@ -41,6 +45,7 @@ class LoopTiming:
         latch_ns: of a frame after the sample it begins with, below `pulse_ns`.
         latency_ns: from a sample to its command being there; a wireless link adds its dead time.
         dead_ns: from a latch to the servos.
+        inner_latency_ns: from a sample to the command of the inner controller acting.
     """
 
     control_ns: int = CONTROL_PERIOD_NS
@@ -48,13 +53,14 @@ class LoopTiming:
     latch_ns: int = COMMAND_LATENCY_NS
     latency_ns: int = COMMAND_LATENCY_NS
     dead_ns: int = 0
+    inner_latency_ns: int = COMMAND_LATENCY_NS
 
     def __post_init__(self) -> None:
         if self.control_ns <= 0 or self.pulse_ns % self.control_ns:
             raise ValueError(f"pulse_ns {self.pulse_ns}; allowed: a multiple of {self.control_ns}")
         if not 0 <= self.latch_ns < self.pulse_ns:
             raise ValueError(f"latch_ns {self.latch_ns}; allowed: 0 .. {self.pulse_ns - 1}")
-        for name in ("latency_ns", "dead_ns"):
+        for name in ("latency_ns", "dead_ns", "inner_latency_ns"):
             if getattr(self, name) < 0:
                 raise ValueError(f"{name} {getattr(self, name)}; allowed: not negative")
 
@@ -75,6 +81,7 @@ class SampledLoop:
         timing: see there.
         servo_bandwidth: natural frequency [rad/s].
         servo_damping: damping ratio.
+        inner: command = C x + D measured at the same rate, without servos and pulse frames.
 
     Raises:
         InputError: a signal that the plant has not.
@@ -85,12 +92,13 @@ class SampledLoop:
     timing: LoopTiming = LoopTiming()
     servo_bandwidth: float = SERVO_BANDWIDTH
     servo_damping: float = SERVO_DAMPING
+    inner: StateSpace = NO_CONTROLLER
 
     def __post_init__(self) -> None:
-        for name in self.measured:
+        for name in self.measured + self.inner.inputs:
             if name not in self.plant.outputs:
                 raise InputError(f"{name!r} is no output of the plant", allowed=", ".join(self.plant.outputs))
-        for name in self.controller.outputs:
+        for name in self.controller.outputs + self.inner.outputs:
             if name not in self.plant.inputs:
                 raise InputError(f"{name!r} is no input of the plant", allowed=", ".join(self.plant.inputs))
 
@@ -119,45 +127,56 @@ class SampledMargins:
 def opened(loop: SampledLoop) -> Realisation:
     """The difference equation of one frame, from the frame latched to the next command; feedback positive.
 
-    States: plant, servos (angles, then rates), controller, commands newest first, frames newest first, the
-    frame that the servos have now. The period begins with a sample.
+    States: plant, servos (angles, then rates), controller, commands newest first, frames newest first, inner
+    controller, its commands newest first, the frame and the inner command that act now. The period begins
+    with a sample.
     """
-    t = loop.timing
-    n, m, k = len(loop.plant.states), len(loop.controller.outputs), len(loop.controller.states)
+    t, inner = loop.timing, loop.inner
+    n, m, k, m_i = (
+        len(loop.plant.states),
+        len(loop.controller.outputs),
+        len(loop.controller.states),
+        len(inner.outputs),
+    )
     late = t.dead_ns // t.pulse_ns
-    ends = np.cumsum([n + 2 * m, k, (t.age + 1) * m, (late + 1) * m, m])
-    moving, control, commands, frames, now = (
-        slice(int(end - size), int(end))
-        for end, size in zip(ends, (n + 2 * m, k, (t.age + 1) * m, (late + 1) * m, m), strict=True)
+    inner_late, inner_instant = divmod(t.inner_latency_ns, t.control_ns)
+    sizes = (
+        *(n + 2 * m, k, (t.age + 1) * m, (late + 1) * m),
+        *(len(inner.states), (inner_late + 1) * m_i, m, m_i),
+    )
+    ends = np.cumsum(sizes)
+    moving, control, commands, frames, inner_control, inner_commands, now, inner_now = (
+        slice(int(end - size), int(end)) for end, size in zip(ends, sizes, strict=True)
     )
     size = int(ends[-1])
+    held = slice(now.start, size)
     matrix: Array = np.eye(size)
     entered: Array = np.zeros((size, m))
     seen: Array = np.zeros((m, size))
     a, b, c = _plant_with_servos(loop)
-    feedback = [loop.controller.inputs.index(name) for name in loop.measured]
+    seen_outer, seen_inner = c[: len(loop.measured)], c[len(loop.measured) :]
+    outer = loop.controller.part(loop.controller.states, loop.measured, loop.controller.outputs)
     sampled: Array = np.eye(size)
-    sampled[control] = 0.0
-    sampled[control, control] = loop.controller.A
-    sampled[control, moving] = loop.controller.B[:, feedback] @ c
-    _shift(sampled, commands, m)
-    first = slice(commands.start, commands.start + m)
-    sampled[first, control] = loop.controller.C
-    sampled[first, moving] = loop.controller.D[:, feedback] @ c
+    _step(sampled, outer, seen_outer, moving, control, commands)
+    _step(sampled, inner, seen_inner, moving, inner_control, inner_commands)
     latched: Array = np.eye(size)
     reached: Array = np.eye(size)
     _shift(latched, frames, m)
     entry = np.zeros((size, m))
     entry[frames.start : frames.start + m] = np.eye(m)
     reached[now] = 0.0
-    reached[now, frames.start + late * m : frames.start + (late + 1) * m] = np.eye(m)
-    events = [(index * t.control_ns, 0) for index in range(t.pulse_ns // t.control_ns)]
+    reached[now, frames.stop - m : frames.stop] = np.eye(m)
+    acting: Array = np.eye(size)
+    acting[inner_now] = 0.0
+    acting[inner_now, inner_commands.stop - m_i : inner_commands.stop] = np.eye(m_i)
+    samples = range(0, t.pulse_ns, t.control_ns)
+    events = [(instant, 0) for instant in samples] + [(instant + inner_instant, 3) for instant in samples]
     events += [(t.latch_ns, 1), ((t.latch_ns + t.dead_ns) % t.pulse_ns, 2)]
     clock = 0
     for instant, kind in [*sorted(events), (t.pulse_ns, -1)]:
         if instant > clock:
             flow = np.eye(size)
-            flow[moving, moving], flow[moving, now] = _held(a, b, (instant - clock) * 1e-9)
+            flow[moving, moving], flow[moving, held] = _held(a, b, (instant - clock) * 1e-9)
             matrix, entered, clock = flow @ matrix, flow @ entered, instant
         if kind == 0:
             matrix, entered = sampled @ matrix, sampled @ entered
@@ -166,6 +185,8 @@ def opened(loop: SampledLoop) -> Realisation:
             matrix, entered = latched @ matrix, latched @ entered + entry
         elif kind == 2:
             matrix, entered = reached @ matrix, reached @ entered
+        elif kind == 3:
+            matrix, entered = acting @ matrix, acting @ entered
     return Realisation(matrix, entered, seen, np.zeros((m, m)))
 
 
@@ -213,44 +234,27 @@ def sampled_margins(loop: SampledLoop) -> SampledMargins:
     )
 
 
-def with_friction(plant: StateSpace, viscous: Mapping[str, float], mass: float) -> StateSpace:
-    """The plant with viscous friction on velocities that are states.
-
-    Args:
-        plant: continuous.
-        viscous: coefficient per state, e.g. u 7.7, v 8.6, w 5.0 on the bench [N s/m] (spec 2.1).
-        mass: [kg].
-
-    Raises:
-        InputError: a state the plant has not. ValueError: a mass that is not positive.
-    """
-    if not mass > 0.0:
-        raise ValueError(f"mass {mass} kg; allowed: above 0")
-    a = plant.A.copy()
-    for name, value in viscous.items():
-        if name not in plant.states:
-            raise InputError(f"{name!r} is no state of the plant", allowed=", ".join(plant.states))
-        index = plant.states.index(name)
-        a[index, index] -= value / mass
-    return replace(plant, A=a)
-
-
 def _plant_with_servos(loop: SampledLoop) -> tuple[Array, Array, Array]:
-    """x' = a x + b frame, measured = c x, for the states of plant, servo angles and servo rates."""
+    """x' = a x + b (frame, inner command) for the states of plant, servo angles and servo rates.
+
+    What both controllers measure, c x, has nothing at once of inner commands.
+    """
     plant, m = loop.plant, len(loop.controller.outputs)
     n = len(plant.states)
     columns = [plant.inputs.index(name) for name in loop.controller.outputs]
-    rows = [plant.outputs.index(name) for name in loop.measured]
+    direct = [plant.inputs.index(name) for name in loop.inner.outputs]
+    rows = [plant.outputs.index(name) for name in loop.measured + loop.inner.inputs]
     square = loop.servo_bandwidth**2
     angles, rates = slice(n, n + m), slice(n + m, n + 2 * m)
-    a, b, c = np.zeros((n + 2 * m, n + 2 * m)), np.zeros((n + 2 * m, m)), np.zeros((len(rows), n + 2 * m))
+    a, b = np.zeros((n + 2 * m, n + 2 * m)), np.zeros((n + 2 * m, m + len(direct)))
+    c = np.zeros((len(rows), n + 2 * m))
     a[:n, :n], a[:n, angles] = plant.A, plant.B[:, columns]
     a[angles, rates] = np.eye(m)
     a[rates, angles], a[rates, rates] = (
         -square * np.eye(m),
         -2.0 * loop.servo_damping * loop.servo_bandwidth * np.eye(m),
     )
-    b[rates] = square * np.eye(m)
+    b[rates, :m], b[:n, m:] = square * np.eye(m), plant.B[:, direct]
     c[:, :n], c[:, angles] = plant.C[rows], plant.D[np.ix_(rows, columns)]
     return a, b, c
 
@@ -261,6 +265,18 @@ def _held(a: Array, b: Array, duration: float) -> tuple[Array, Array]:
     together[:n, :n], together[:n, n:] = a, b
     exponential = np.asarray(expm(together * duration), dtype=np.float64)
     return exponential[:n, :n], exponential[:n, n:]
+
+
+def _step(
+    event: Array, law: StateSpace, measured: Array, moving: slice, states: slice, commands: slice
+) -> None:
+    """Make the event a sample of a controller: its states go on, its command joins the line."""
+    m = len(law.outputs)
+    event[states] = 0.0
+    event[states, states], event[states, moving] = law.A, law.B @ measured
+    _shift(event, commands, m)
+    first = slice(commands.start, commands.start + m)
+    event[first, states], event[first, moving] = law.C, law.D @ measured
 
 
 def _shift(event: Array, line: slice, m: int) -> None:

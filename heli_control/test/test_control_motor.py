@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import TOPICS
-from heli_control.motor_control import MotorController, MotorParameters, SpeedGovernor
+from heli_control.motor_control import MotorController, MotorParameters, SpeedGovernor, governor_law
 
 PARAMETERS = MotorParameters()
 NOMINAL = 163.363
@@ -206,3 +207,18 @@ def test_a_number_that_is_not_finite_is_refused_by_name(topic: str) -> None:
         values[index] = math.inf
         with pytest.raises(ValueError, match=f"{topic}: {field} is inf"):
             MotorController(PARAMETERS).receive(topic, 0, values)
+
+
+def test_linear_law_steps_as_the_governor_within_its_limits() -> None:
+    law = governor_law(PARAMETERS, 100.0, "Omega")
+    assert (law.inputs, law.outputs) == (("Omega",), ("U_mot",))
+    governor, wide = SpeedGovernor(PARAMETERS), 0.5 * (5.54 + 4.9)
+    governor.integral = hover = wide
+    filtered, x = 0.0, np.zeros(2)
+    for deviation in (0.3, -0.2, 0.5, 0.4, -0.6, 0.0):
+        # the low-pass y+ = y + (1 - e^-1) (x - y) of 100 rad/s
+        filtered += (1.0 - math.exp(-1.0)) * (deviation - filtered)
+        voltage = governor.step(NOMINAL, NOMINAL + filtered)
+        (linear,) = law.C @ x + law.D @ [deviation]
+        assert voltage - hover == pytest.approx(linear, abs=1e-12)
+        x = law.A @ x + law.B @ [deviation]

@@ -18,6 +18,7 @@ from heli_control.lq import (
 from heli_control.lq_axis import controller_block, design_axis
 from heli_control.margins import loop_margins, uniform_margins
 from heli_control.realisation import first_order, named
+from heli_control.rig_plant import MEASURED_SPEED, with_friction, with_speed_sensor
 from heli_control.sampled_loop import (
     LoopTiming,
     SampledLoop,
@@ -26,7 +27,6 @@ from heli_control.sampled_loop import (
     opened,
     sampled_margins,
     spectral_radius,
-    with_friction,
 )
 
 MODEL = ModelFile.read(Path(__file__).parent / "data" / "hover_model.yaml")
@@ -194,6 +194,31 @@ def test_a_loop_that_is_not_stable_has_no_margins() -> None:
         sampled_margins(SampledLoop(plant, gain_block(1.0)))
 
 
+def test_inner_controller_by_hand() -> None:
+    # s' = v, v = -g s acts from 5 ms after the sample on, without frames; the outer loop stands still
+    names = ("u", "v"), ("y", "s")
+    plant = StateSpace(("y", "s"), *names, -np.diag([1.0, 0.0]), np.eye(2), np.eye(2), np.zeros((2, 2)))
+    empty = np.zeros((0, 0))
+    g = 30.0
+    inner = StateSpace((), ("s",), ("v",), empty, empty.reshape(0, 1), empty.reshape(1, 0), [[-g]])
+    loop = SampledLoop(plant, gain_block(0.0), inner=inner)
+    # s(n+1) = s(n) - 5 ms g (s(n-1) + s(n)), twice per frame
+    expected = np.abs(np.roots([1.0, 0.005 * g - 1.0, 0.005 * g])).max() ** 2
+    outer = math.exp(-0.02)
+    assert spectral_radius(opened(loop)) == pytest.approx(max(expected, outer), rel=1e-9)
+    eigenvalues = np.abs(np.linalg.eigvals(closed_matrix(opened(loop))))
+    assert np.abs(eigenvalues - expected).min() < 1e-9
+    # a period later: s(n+1) = s(n) - 5 ms g (s(n-2) + s(n-1))
+    late = replace(loop, timing=LoopTiming(inner_latency_ns=15 * MS))
+    expected = np.abs(np.roots([1.0, -1.0, 0.005 * g, 0.005 * g])).max() ** 2
+    eigenvalues = np.abs(np.linalg.eigvals(closed_matrix(opened(late))))
+    assert np.abs(eigenvalues - expected).min() < 1e-9
+    with pytest.raises(InputError, match="'z' is no output of the plant"):
+        replace(loop, inner=replace(inner, inputs=("z",)))
+    with pytest.raises(ValueError, match="inner_latency_ns -1; allowed"):
+        LoopTiming(inner_latency_ns=-1)
+
+
 def test_friction() -> None:
     plant = with_friction(MODEL.horizontal, {"u": 7.3, "v": 14.6}, 7.3)
     change = plant.A - MODEL.horizontal.A
@@ -204,6 +229,20 @@ def test_friction() -> None:
         with_friction(MODEL.horizontal, {"w": 5.0}, 7.3)
     with pytest.raises(ValueError, match=r"mass 0\.0 kg"):
         with_friction(MODEL.horizontal, {"u": 5.0}, 0.0)
+
+
+def test_speed_sensor() -> None:
+    plant = named(first_order(0.0, 1.0, -1.0), ("U_mot",), ("Omega",), "Omega")
+    plant = replace(plant, states=("Omega",))
+    seen = with_speed_sensor(plant, 0.005)
+    assert seen.states == seen.outputs == ("Omega", MEASURED_SPEED)
+    np.testing.assert_allclose(seen.A, [[plant.A[0, 0], 0.0], [200.0, -200.0]])
+    np.testing.assert_allclose(seen.B, [[plant.B[0, 0]], [0.0]])
+    np.testing.assert_allclose(seen.C, [[plant.C[0, 0], 0.0], [0.0, 1.0]])
+    with pytest.raises(ValueError, match=r"lag 0\.0 s"):
+        with_speed_sensor(plant, 0.0)
+    with pytest.raises(InputError, match="'Omega' is no state of the plant"):
+        with_speed_sensor(MODEL.horizontal, 0.005)
 
 
 def test_bad_arguments_are_refused() -> None:

@@ -2,9 +2,11 @@
 
 One flight in process: hover in still air, then trial after trial. In each the commands of one axis are
 multiplied by a factor, the reference jumps by 3 cm, and the motion is watched; then the controller flies as
-it is until all is quiet again. Beyond the margin an oscillation grows until the servos limit it, about
-1 rad/s; below it, nothing but the answer to the jump and the sensors' noise is left, a tenth of that. A
-threshold between them decides. Bisection finds the factor in between, without a look at the linear loop.
+it is until all is quiet again. Below the margin the motion is the answer to the jump, much the same at every
+factor; beyond it an oscillation grows until the rate limit of the servos holds it. How large it then is
+depends on its frequency, 0.2 rad/s at 40 rad/s of yaw and more when slower, so it is compared with the
+controller's own answer to the jump: three times that is lost. Bisection finds the factor in between,
+without a look at the linear loop.
 
 The jump is there because of dry friction: the gimbal's 0.005 N m and the arms' 0.2 N act on a motion of
 0.02 rad/s as strong damping, under which a slow growth would not begin; at 0.1 rad/s they are a few percent
@@ -26,20 +28,18 @@ from heli_common.errors import InputError, SafetyStop
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_control.attitude_control import AttitudeController
 from heli_control.controller_file import AXES, ControllerAxis, ControllerFile
+from heli_control.motor_control import governor_law
+from heli_control.motor_controller_file import load_motor_controller
 from heli_control.position_control import PositionParameters
 from heli_control.position_loop import with_position_law, with_positions
-from heli_control.sampled_loop import (
-    LoopTiming,
-    SampledLoop,
-    SampledMargins,
-    sampled_margins,
-    with_friction,
-)
+from heli_control.rig_plant import MEASURED_SPEED, with_friction, with_speed_sensor
+from heli_control.sampled_loop import NO_CONTROLLER, LoopTiming, SampledLoop, SampledMargins, sampled_margins
 from heli_flight.components import DEFAULTS, bench_simulator, controllers, supervisor
 from heli_flight.in_process import InProcessGraph
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Plan
 from heli_flight.plan_phases import Home, Hover, RunUp, Step, TakeOff
+from heli_navigation.navigator import NavigationParameters
 
 HIGHEST_DB = 30.0
 """Where the search begins; beyond it the margin counts as infinite."""
@@ -48,8 +48,11 @@ RESOLUTION_DB = 0.25
 WATCHED = {"horizontal": (0, 1), "vertical": (2,)}
 """Body rates whose growth is watched, of p q r."""
 
-LOST_RATE = 0.35
-"""Root mean square of the watched rates over half a second that decides [rad/s]."""
+LOST_RATIO = 3.0
+"""Largest rates, root mean square over half a second, over those of the same jump at the own gain: lost."""
+
+NO_HOVER_RATE = 0.35
+"""The same rates at which the controller, at its own gain, does not hover [rad/s]."""
 
 _WINDOW = 50
 _JUMP = 0.03
@@ -121,6 +124,9 @@ def multiplied(controller: ControllerFile, axis: str, factor: float) -> Controll
 def linear_loop(controller: ControllerFile, axis: str, values: NodeValues = DEFAULTS) -> SampledLoop:
     """The bench linearised at its own trim, with friction and position law, around a controller.
 
+    The vertical one has the drive and its governor in it, within the current limit: a collective that swings
+    at 50 rad/s is too fast for the governor, and the torque of the shaft turns the body.
+
     Args:
         controller: any; one without velocity references flies without position law.
         axis: `horizontal` or `vertical`.
@@ -132,8 +138,13 @@ def linear_loop(controller: ControllerFile, axis: str, values: NodeValues = DEFA
     if axis not in AXES:
         raise InputError(f"{axis!r} is no axis", allowed=", ".join(AXES), key="axis")
     bench = values.build_groups(topics.BENCH_SIM, BenchParameters)
-    model = linearize.horizontal if axis == "horizontal" else linearize.vertical
-    plant = model(bench.helicopter, trim(bench.helicopter))
+    point, inner = trim(bench.helicopter), NO_CONTROLLER
+    if axis == "horizontal":
+        plant = linearize.horizontal(bench.helicopter, point)
+    else:
+        plant = with_speed_sensor(linearize.vertical_with_drive(bench.helicopter, point), bench.hall.lag)
+        low_pass = values.build(topics.NAVIGATION, NavigationParameters).rotor_bandwidth
+        inner = governor_law(load_motor_controller("motor").parameters, low_pass, MEASURED_SPEED)
     arms = {"u": bench.friction.viscous_x, "v": bench.friction.viscous_y, "w": bench.friction.viscous_z}
     viscous = {name: value for name, value in arms.items() if name in plant.states}
     plant = with_positions(with_friction(plant, viscous, bench.helicopter.mass))
@@ -142,7 +153,7 @@ def linear_loop(controller: ControllerFile, axis: str, values: NodeValues = DEFA
         law = with_position_law(law, values.build(topics.POSITION_CONTROLLER, PositionParameters))
     timing = LoopTiming()
     timing = replace(timing, latency_ns=timing.latency_ns + bench.link.dead_time_ns)
-    return SampledLoop(plant, law, timing, bench.servo.bandwidth, bench.servo.damping)
+    return SampledLoop(plant, law, timing, bench.servo.bandwidth, bench.servo.damping, inner)
 
 
 class MarginFlight:
@@ -182,8 +193,12 @@ class MarginFlight:
         self._next = len(phases) - len(trials)
         self.over = False
 
-    def trial(self, level_db: float) -> Trial:
+    def trial(self, level_db: float, lost_rate: float) -> Trial:
         """Settle, multiply the commands, jump, watch, and fly on as before.
+
+        Args:
+            level_db: factor on the commands [dB].
+            lost_rate: of the watched rates, root mean square over half a second, that ends the trial [rad/s].
 
         Raises:
             SafetyStop: hover is not reached, or not kept by the controller as it is.
@@ -202,11 +217,11 @@ class MarginFlight:
             window.append(sum(rates[index] ** 2 for index in WATCHED[self._axis]))
             if len(window) == _WINDOW:
                 largest = max(largest, math.sqrt(sum(window) / _WINDOW))
-            if largest > LOST_RATE:
+            if largest > lost_rate:
                 break
         self._attitude.replace(self._controller)
         self._next += 2
-        return Trial(level_db, largest > LOST_RATE, largest)
+        return Trial(level_db, largest > lost_rate, largest)
 
     def _until_phase(self, phase: int) -> None:
         while self._leader.phase < phase:
@@ -241,15 +256,17 @@ def flown_margin(
     linear = sampled_margins(linear_loop(controller, axis, values))
     flight = MarginFlight(controller, axis, values, seed)
 
+    trials = [flight.trial(0.0, NO_HOVER_RATE)]
+    if trials[0].lost:
+        raise SafetyStop(f"{controller.name} does not hover as it is: {trials[0].largest_rate:.2f} rad/s")
+    lost_rate = LOST_RATIO * trials[0].largest_rate
+
     def flown(level_db: float) -> Trial:
         nonlocal flight
         if flight.over:
             flight = MarginFlight(controller, axis, values, seed)
-        return flight.trial(level_db)
+        return flight.trial(level_db, lost_rate)
 
-    trials = [flown(0.0)]
-    if trials[0].lost:
-        raise SafetyStop(f"{controller.name} does not hover as it is: {trials[0].largest_rate:.2f} rad/s")
     trials.append(flown(HIGHEST_DB))
     if not trials[-1].lost:
         return FlownMargin(controller.name, axis, math.inf, linear, tuple(trials))
