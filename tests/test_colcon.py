@@ -13,7 +13,7 @@ COMMANDS = {
     "heli_common": set(),
     "heli_control": {"attitude_controller_node", "motor_controller_node", "position_controller_node"},
     "heli_flight": {"heli", "recorder_node", "replay_node", "supervisor_node"},
-    "heli_identification": set(),
+    "heli_identification": {"identification_node"},
     "heli_navigation": {"navigation_node"},
 }
 

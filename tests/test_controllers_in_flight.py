@@ -141,7 +141,9 @@ def test_another_controller_by_service_while_flying(heli):
         check=True,
     )
     unknown, worse, another, taken, told = asked.stdout.strip().splitlines()
-    assert unknown.startswith("False controller: 'autopilot' is no controller (allowed: a file, or one of lq")
+    assert unknown.startswith(
+        "False controller: 'autopilot' is no controller (allowed: a file, or one of gst"
+    )
     assert worse.startswith(f"False {paths[0]}: axes.vertical.inputs[1]: unknown signal 'z'")
     expected = f"False {paths[1]}: plant.hash: '{'0' * 64}' is another plant (thesis_linearized) (allowed: "
     assert another.startswith(expected + MODEL.plant_hash)

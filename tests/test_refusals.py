@@ -1,6 +1,7 @@
 """Bad input is one clear line and exit code 2, before anything moves and with nothing half-written."""
 
 import dataclasses
+import re
 import sys
 
 import pytest
@@ -99,7 +100,7 @@ def test_a_wrong_controller_of_a_later_phase_is_refused_before_anything_flies(he
 def test_a_missing_or_wrong_motor_controller_file(heli):
     assert "absent.yaml" in refused(heli, "fly", "short_hover", "--motor", "absent.yaml")
     good = load_motor_controller("motor").to_yaml()
-    (heli.folder / "bad.yaml").write_text(good.replace("gain: 0.1", "gain: -0.1"))
+    (heli.folder / "bad.yaml").write_text(re.sub(r"^gain: .*$", "gain: -0.1", good, flags=re.MULTILINE))
     line = refused(heli, "fly", "short_hover", "--motor", "bad.yaml", "--mode", "inprocess")
     assert "bad.yaml: gain: -0.1 is out of range (allowed: 0 .. 10 V s/rad)" in line
     assert "bad.yaml: gain: -0.1" in run_node(heli, "motor_controller", "controller:=bad.yaml")

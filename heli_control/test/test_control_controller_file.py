@@ -146,5 +146,7 @@ def test_controllers_are_found_by_name_or_path(tmp_path: Path, monkeypatch: pyte
     assert load_controller(str(tmp_path / "lq")).name == "mixed"
     monkeypatch.chdir(tmp_path)
     assert load_controller("lq").name == "mixed"
-    with pytest.raises(InputError, match=r"'nosuch' is no controller \(allowed: a file, or one of lq"):
+    with pytest.raises(
+        InputError, match=r"'nosuch' is no controller \(allowed: a file, or one of gst, gst2, lq"
+    ):
         load_controller("nosuch")

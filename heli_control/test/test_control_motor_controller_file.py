@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +34,12 @@ def test_plant_and_provenance_may_be_missing(tmp_path: Path) -> None:
     assert after.parameters == MADE.parameters
 
 
-def test_shipped_controller_has_the_default_gains_and_is_no_flight_controller() -> None:
-    assert load_motor_controller("motor").parameters == MotorParameters()
+def test_shipped_controller_has_the_default_drive_and_is_no_flight_controller() -> None:
+    shipped, default = load_motor_controller("motor").parameters, MotorParameters()
+    assert replace(shipped, gain=default.gain, integral_time=default.integral_time) == default
+    # rounded by hand from the same drive, the defaults are near
+    assert shipped.gain == pytest.approx(default.gain, rel=0.1)
+    assert shipped.integral_time == pytest.approx(default.integral_time, rel=0.15)
     assert "motor" not in shipped_controllers()
     with pytest.raises(
         InputError, match=r"controller: 'lq' is no controller \(allowed: a file, or one of motor\)"
