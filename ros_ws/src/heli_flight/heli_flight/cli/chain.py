@@ -22,8 +22,8 @@ def add_parser(words: Any) -> None:
     parser = words.add_parser(
         "chain",
         help="fly F5, identify, design, hover with what came out and with the shipped controllers",
-        description="Fly the identification plan, identify both axes, design gst2 and ncf2 from the model, and "
-        "compare their hovers with those of the controllers of the linearised model, all in process.",
+        description="Fly the identification plan, identify both axes, design gst2 and ncf2 from the model, "
+        "and compare their hovers with those of the controllers of the linearised model, all in process.",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="new folder for everything")
     parser.add_argument("--seeds", type=int, default=10, metavar="N", help="hovers each (default: 10)")
@@ -70,12 +70,12 @@ def show(found: Chain, seeds: int) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=110)
-    for block, each in found.blocks.items():
+    for block, part in found.blocks.items():
         fits = "not validated"
-        if each.fit is not None:
-            pairs = zip(each.fit.outputs, each.fit.percent.tolist(), strict=True)
+        if part.fit is not None:
+            pairs = zip(part.fit.outputs, part.fit.percent.tolist(), strict=True)
             fits = "fit on validation data [%] " + ", ".join(f"{name} {value:.1f}" for name, value in pairs)
-        console.print(f"{block} by {each.estimate.structure.name}: {fits}")
+        console.print(f"{block} by {part.estimate.structure.name}: {fits}")
     for remark in found.remarks:
         console.print(remark)
     title = f"mean sigma of the true pose, {seeds} hovers each"
