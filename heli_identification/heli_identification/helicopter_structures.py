@@ -27,6 +27,9 @@ GRAVITY = 9.81
 """[m/s^2]"""
 ROTOR_SPEED = 163.363
 """Omega_0 [rad/s]"""
+SHAFT_REACTION = 0.1702
+"""Yaw acceleration per acceleration of the rotor shaft: the drive's inertia over the body's about z (spec
+1.5: the columns of the motor torque in the linear model, 17.61 over 103.46)."""
 BAR_GAIN = 1.4199
 """k_s2p: the swash plate's gain on the servo rotor (spec 1.4). It sets the unit of a_1p and b_1p."""
 

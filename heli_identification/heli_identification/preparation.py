@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from heli_common.errors import InputError
 from heli_common.timing import CONTROL_PERIOD, CONTROL_PERIOD_NS
 from heli_identification.flight_signals import Channel, FlightSignals
-from heli_identification.helicopter_structures import SCALES
+from heli_identification.helicopter_structures import SCALES, SHAFT_REACTION, VERTICAL
 from heli_identification.records import Record
 from heli_identification.servo_timing import servo_positions
 from heli_identification.structures import Structure
@@ -78,7 +78,10 @@ def prepare(
     """
     named = signals.actuators if source is InputSource.ACTUATOR else signals.commands
     inputs = [_channel(named, name, source.value, signals.name) for name in structure.inputs]
-    outputs = [_channel(signals.measured, name, "measured", signals.name) for name in structure.outputs]
+    measured = signals.measured
+    if structure.inputs == VERTICAL.inputs:
+        measured = with_shaft_held(signals)
+    outputs = [_channel(measured, name, "measured", signals.name) for name in structure.outputs]
     external = [signals.excitation[name] for name in structure.inputs if name in signals.excitation]
     stamps, columns = _joined([*inputs, *outputs, *external], segment, signals.name)
     m, p = len(inputs), len(outputs)
@@ -94,6 +97,27 @@ def prepare(
     if excited:
         require_excited(record, structure)
     return centred(record, operating_point)
+
+
+def with_shaft_held(signals: FlightSignals) -> Mapping[str, Channel]:
+    """The measured signals with the yaw rate that would be seen at constant rotor speed.
+
+    The structures of the vertical axis know no rotor speed; the shaft's acceleration acts on the body by
+    r' = SHAFT_REACTION Omega', of which the measured speed relieves the yaw rate. Without it the governor's
+    answer to the collective hides in N_0 and N_w.
+
+    Args:
+        signals: of a flight; one that did not record the rotor speed stays as it is.
+    """
+    if "r" not in signals.measured or "Omega" not in signals.measured:
+        return signals.measured
+    yaw, rotor = signals.measured["r"], signals.measured["Omega"]
+    stamps, here, there = np.intersect1d(yaw.stamps, rotor.stamps, return_indices=True)
+    if not len(stamps):
+        return signals.measured
+    speed = rotor.values[there]
+    held = yaw.values[here] - SHAFT_REACTION * (speed - np.median(speed))
+    return {**signals.measured, "r": Channel(stamps, held)}
 
 
 def averaged(record: Record, points: int = AVERAGED) -> Record:

@@ -13,6 +13,7 @@ from heli_flight.cli import interrupts  # first: everything else takes a while t
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_INTERRUPTED, InputError
 from heli_flight.cli import (
     bag,
+    chain,
     design,
     exchange,
     fly,
@@ -32,7 +33,7 @@ def parser() -> argparse.ArgumentParser:
         description="Helicopter test bench: fly plans, look at models, design controllers, read bags.",
     )
     words = top.add_subparsers(dest="word", required=True, metavar="COMMAND")
-    for part in (fly, model, design, exchange, navigation, report, bag, replay, parameters, identify):
+    for part in (fly, model, design, exchange, navigation, report, bag, replay, parameters, identify, chain):
         part.add_parser(words)
     return top
 
