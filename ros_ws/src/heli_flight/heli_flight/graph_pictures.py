@@ -18,7 +18,9 @@ from heli_flight.picture import FLIGHT_COLOURS, STYLE
 
 _GRID = "rgba(128,128,128,0.22)"
 _LIMIT = "#dc2626"
-_BAND_OPACITY = 0.22
+_BAND_OPACITY, _PALE = 0.22, 0.45
+_GAP = 0.72
+"""Between rows of plots in a picture [inch]."""
 _TOP, _BOTTOM, _BETWEEN = 40, 88, 76
 """Pixels above, below and between rows of plots."""
 
@@ -101,8 +103,10 @@ def _traces(curve: Curve, shown: set[str]) -> list[go.Scatter]:
         if cross:
             marker["line"] = {"width": 2}
         return [go.Scatter(x=x, y=y, mode="markers", marker=marker, **named)]
-    dash = "dash" if curve.kind is Kind.DASHED else "solid"
-    return [go.Scatter(x=x, y=y, mode="lines", line={"color": colour, "width": 1.5, "dash": dash}, **named)]
+    line = {"color": colour, "width": 1.5, "dash": "dash" if curve.kind is Kind.DASHED else "solid"}
+    if curve.kind is Kind.WIDE:
+        return [go.Scatter(x=x, y=y, mode="lines", line=line | {"width": 4}, opacity=_PALE, **named)]
+    return [go.Scatter(x=x, y=y, mode="lines", line=line, **named)]
 
 
 def _axes(drawn: Any, plot: Plot, row: int, column: int) -> None:
@@ -130,7 +134,7 @@ def _axes(drawn: Any, plot: Plot, row: int, column: int) -> None:
 def graph_png(graph: Graph, dpi: int = 110) -> bytes:
     """The PNG file of a graph."""
     rows, columns = len(graph.rows), len(graph.rows[0])
-    width, height = 12.0, 1.5 + (graph.row_height / 100.0 + 0.55) * rows
+    width, height = 12.0, 1.5 + (graph.row_height / 100.0 + _GAP) * rows
     with mpl.rc_context(STYLE):
         canvas = Canvas(figsize=(width, height))
         FigureCanvasAgg(canvas)
@@ -142,7 +146,7 @@ def graph_png(graph: Graph, dpi: int = 110) -> bytes:
             top=1.0 - 0.75 / height,
             bottom=0.85 / height,
             wspace=0.07 * columns + 0.06,
-            hspace=0.55 / (graph.row_height / 100.0),
+            hspace=_GAP / (graph.row_height / 100.0),
         )
         known: dict[str, Any] = {}
         for line, plots in zip(axes, graph.rows, strict=True):
@@ -172,6 +176,8 @@ def _draw(axis: Any, plot: Plot) -> None:
             axis.plot(curve.x, curve.y, ".", color=colour, markersize=3.5, label=label)
         elif curve.kind is Kind.CROSSES:
             axis.plot(curve.x, curve.y, "x", color=colour, markersize=6, markeredgewidth=1.5, label=label)
+        elif curve.kind is Kind.WIDE:
+            axis.plot(curve.x, curve.y, color=colour, linewidth=3.2, alpha=_PALE, label=label)
         else:
             style = "--" if curve.kind is Kind.DASHED else "-"
             axis.plot(curve.x, curve.y, style, color=colour, linewidth=1.1, label=label)

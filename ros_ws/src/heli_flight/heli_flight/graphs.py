@@ -15,6 +15,8 @@ class Kind(Enum):
     """How a curve is drawn."""
 
     LINE = "line"
+    WIDE = "wide"
+    """pale and wide, for another curve on top"""
     DASHED = "dashed"
     POINTS = "points"
     CROSSES = "crosses"

@@ -84,7 +84,7 @@ def comparison_graph(found: Identified) -> Graph:
         factor = _factor(name)
         simulated = np.where(breaks, np.nan, fit.simulated[:used, index])
         curves = (
-            Curve("measured", time, factor * fit.measured[:used, index], MEASURED),
+            Curve("measured", time, factor * fit.measured[:used, index], MEASURED, kind=Kind.WIDE),
             Curve("simulated", time, factor * simulated, SIMULATION),
         )
         title = f"{shown(name)}: fit {fit.percent[index]:.1f} %"
@@ -113,23 +113,26 @@ def pole_graph(found: Identified, prior: StateSpace | None) -> Graph:
     if prior is not None:
         curves.append(Curve("prior", prior.poles.real, prior.poles.imag, PRIOR, kind=Kind.CROSSES))
         known = np.concatenate((known, prior.poles))
+    near = np.abs(known) < 0.2 * np.max(np.abs(known))
     plots = [_pole_plot("all", tuple(curves), known)]
-    slow = known[np.abs(known) < 0.2 * np.max(np.abs(known))]
-    if len(slow):
-        plots.append(_pole_plot("near the origin", tuple(curves), slow))
+    for title, part in (("fast ones above the axis", ~near & (known.imag > 0.0)), ("near the origin", near)):
+        if np.any(part):
+            plots.append(_pole_plot(title, tuple(curves), known[part]))
     caption = (
         "Ellipses hold a pole with 95 % by the covariance of the coefficients, to first order; lines for real "
         "poles (source Figure 2.23)."
     )
-    return Graph("poles", "Poles", caption, (tuple(plots),), row_height=380)
+    return Graph("poles", "Pole map", caption, (tuple(plots),), row_height=380)
 
 
 def _pole_plot(title: str, curves: tuple[Curve, ...], inside: ComplexArray) -> Plot:
-    width = max(float(np.ptp(inside.real)), 1e-3)
-    height = max(float(np.max(np.abs(inside.imag))), 0.25 * width)
-    x_range = (float(inside.real.min()) - 0.2 * width, float(inside.real.max()) + 0.2 * width)
-    y_range = (-1.25 * height, 1.25 * height)
-    return Plot(title, "real part [1/s]", "imaginary part [1/s]", curves, x_range=x_range, y_range=y_range)
+    """A window about some poles."""
+    size = float(np.max(np.abs(inside)))
+    ranges = []
+    for part in (inside.real, inside.imag):
+        margin = max(0.2 * float(np.ptp(part)), 0.02 * size)
+        ranges.append((float(part.min()) - margin, float(part.max()) + margin))
+    return Plot(title, "real part [1/s]", "imaginary part [1/s]", curves, x_range=ranges[0], y_range=ranges[1])
 
 
 def residual_graph(found: Identified) -> Graph:
@@ -212,9 +215,10 @@ def phase_graph(found: Identified, measured: Spectrum, model: Response, prior: C
             phase = np.degrees(np.unwrap(np.angle(values)))
             share = model.deviation[:, p, m] / np.maximum(np.abs(values), 1e-300)
             half = np.degrees(np.minimum(QUANTILE_95 * share / np.sqrt(2.0), np.pi))
+            told = measured.deviation[: len(f), p, m] < 0.5 * np.abs(measured.values[: len(f), p, m])
             seen = phase + np.degrees(np.angle(measured.values[: len(f), p, m] / values))
             curves = [
-                Curve("spectrum", f, seen, MEASURED, kind=Kind.POINTS),
+                Curve("spectrum", f[told], seen[told], MEASURED, kind=Kind.POINTS),
                 _band("model, 95 %", f, phase - half, phase + half, SIMULATION),
                 Curve("model", f, phase, SIMULATION),
             ]
@@ -224,7 +228,8 @@ def phase_graph(found: Identified, measured: Spectrum, model: Response, prior: C
             title = f"{shown(output)} by {shown(name)}"
             plots.append(Plot(title, "frequency [rad/s]", "[deg]", tuple(curves), log=True))
         rows.append(tuple(plots))
-    return Graph("phase", "Frequency responses: phase", "As above.", tuple(rows))
+    caption = "The spectrum where its error is below half its size, within half a turn of the model."
+    return Graph("phase", "Frequency responses: phase", caption, tuple(rows))
 
 
 def coherence_graph(found: Identified, measured: Spectrum) -> Graph:
