@@ -65,7 +65,15 @@ def spectrum(record: Record, length: float = 5.12) -> Spectrum:
     whole = np.maximum(np.einsum("fpp->fp", power).real, 1e-300)
     share = np.clip(explained / whole, 0.0, 1.0)
     averages = 2.0 * len(record) / window - 1.0
-    noise = (1.0 - share) * whole / averages
+    # what the response leaves of the output: y - G u, whose correlation with r is the error of S_yr
+    _, mixed = _cross(record.y, record.u, record.period, window)
+    _, moved = _cross(record.u, record.u, record.period, window)
+    left = (
+        whole
+        - 2.0 * np.einsum("fpm,fpm->fp", mixed, values.conj()).real
+        + np.einsum("fpm,fmn,fpn->fp", values, moved, values.conj()).real
+    )
+    noise = np.maximum(left, 0.0) / averages
     spread = np.einsum("frm,frs,fsm->fm", inverse, own, inverse.conj()).real
     deviation = np.sqrt(np.maximum(noise[:, :, None] * spread[:, None, :], 0.0))
     return Spectrum(frequencies, values, share, deviation, external)

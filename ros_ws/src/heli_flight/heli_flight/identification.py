@@ -195,14 +195,22 @@ def _estimate(structure: Structure, records: Sequence[Record], choice: Choice) -
     if choice.method == "ls":
         return regression_estimate(least_squares(structure, records), records)
     if choice.method in ("indirect", "joint"):
-        feedback = _feedback(structure, choice.controller)
+        feedback = feedback_of(structure, choice.controller)
         joint = choice.method == "joint"
         return indirect(structure, records, feedback, delay=COMMAND_DELAY, joint=joint)
     raise InputError(f"no method {choice.method!r}", allowed=", ".join(METHODS), key="method")
 
 
-def _feedback(structure: Structure, controller: str) -> StateSpace:
-    """The axis of a controller that commands the structure's inputs, references left out."""
+def feedback_of(structure: Structure, controller: str) -> StateSpace:
+    """The axis of a controller that commands the structure's inputs, references left out.
+
+    Args:
+        structure: whose outputs it sees.
+        controller: name or path.
+
+    Raises:
+        InputError: no axis of it does.
+    """
     file = load_controller(controller)
     for axis in (file.horizontal.system, file.vertical.system):
         if set(axis.outputs) == set(structure.inputs):

@@ -23,7 +23,7 @@ ComplexArray = NDArray[np.complex128]
 
 MEASURED, SIMULATION, PRIOR = 0, 1, 2
 """Numbers of colours."""
-SHOWN = 3
+SHOWN = 4
 """Segments of validation that are drawn; the table has all."""
 FASTEST = 60.0
 """Highest frequency of a spectrum that is shown [rad/s]."""
