@@ -253,9 +253,7 @@ DRIVE_TORQUE = replace(
     stages=(("k_U", "k_Omega", "k_a"), ("T_a", "D_Omega")),
 )
 
-STRUCTURES = {
-    each.name: each for each in (FULL, SERVO_ROTOR, VERTICAL, VERTICAL_FULL, DRIVE, DRIVE_TORQUE)
-}
+STRUCTURES = {each.name: each for each in (FULL, SERVO_ROTOR, VERTICAL, VERTICAL_FULL, DRIVE, DRIVE_TORQUE)}
 
 
 def structure_of(name: str) -> Structure:

@@ -96,4 +96,4 @@ def test_a_late_input_is_held_on_a_grid_of_half_periods() -> None:
         fine = half.A @ fine + half.B @ now
         assert x == pytest.approx(fine, rel=1e-12)
     constant = sample(structure, structure.values, period)
-    assert late.N == pytest.approx(constant.N, rel=1e-12) and late.A == pytest.approx(constant.A, rel=1e-12)
+    assert pytest.approx(constant.N, rel=1e-12) == late.N and pytest.approx(constant.A, rel=1e-12) == late.A

@@ -106,9 +106,7 @@ def pole_graph(found: Identified, prior: StateSpace | None) -> Graph:
     for index in range(len(poles.values)):
         ring = poles.ellipse(index)
         curves.append(Curve("95 %" if index == 0 else "", ring.real, ring.imag, SIMULATION))
-    curves.append(
-        Curve("identified", poles.values.real, poles.values.imag, SIMULATION, kind=Kind.CROSSES)
-    )
+    curves.append(Curve("identified", poles.values.real, poles.values.imag, SIMULATION, kind=Kind.CROSSES))
     known: ComplexArray = poles.values
     if prior is not None:
         curves.append(Curve("prior", prior.poles.real, prior.poles.imag, PRIOR, kind=Kind.CROSSES))
@@ -132,16 +130,16 @@ def _pole_plot(title: str, curves: tuple[Curve, ...], inside: ComplexArray) -> P
     for part in (inside.real, inside.imag):
         margin = max(0.2 * float(np.ptp(part)), 0.02 * size)
         ranges.append((float(part.min()) - margin, float(part.max()) + margin))
-    return Plot(title, "real part [1/s]", "imaginary part [1/s]", curves, x_range=ranges[0], y_range=ranges[1])
+    return Plot(
+        title, "real part [1/s]", "imaginary part [1/s]", curves, x_range=ranges[0], y_range=ranges[1]
+    )
 
 
 def residual_graph(found: Identified) -> Graph:
     """Autocorrelations of the residuals and correlations with past and later inputs, with 95 % bounds."""
     structure, period = found.estimate.structure, found.records[0].period
     residuals = np.vstack(found.estimate.residuals)
-    inputs = np.vstack(
-        [r.u[: len(e)] for r, e in zip(found.records, found.estimate.residuals, strict=True)]
-    )
+    inputs = np.vstack([r.u[: len(e)] for r, e in zip(found.records, found.estimate.residuals, strict=True)])
     own, cross = autocorrelation(residuals), cross_correlation(residuals, inputs)
     rows = []
     for row, output in enumerate(structure.outputs):
@@ -180,7 +178,11 @@ def magnitude_graph(
             _band("spectrum, 95 %", f, decibel(_low(seen, scatter)), decibel(_high(seen, scatter)), MEASURED),
             Curve("spectrum", f, decibel(seen), MEASURED, kind=Kind.POINTS),
             _band(
-                "model, 95 %", f, decibel(_low(values, deviation)), decibel(_high(values, deviation)), SIMULATION
+                "model, 95 %",
+                f,
+                decibel(_low(values, deviation)),
+                decibel(_high(values, deviation)),
+                SIMULATION,
             ),
             Curve("model", f, decibel(values), SIMULATION),
         ]
@@ -195,11 +197,13 @@ def magnitude_graph(
             size = decibel(np.abs(model.values[:, p, m]))
             window = (float(size.min()) - 15.0, float(size.max()) + 15.0)
             title = f"{shown(output)} by {shown(name)}"
-            plots.append(
-                Plot(title, "frequency [rad/s]", "[dB]", curves((p, m)), log=True, y_range=window)
-            )
+            plots.append(Plot(title, "frequency [rad/s]", "[dB]", curves((p, m)), log=True, y_range=window))
         rows.append(tuple(plots))
-    how = "with the external signal as instrument" if measured.external else "of input and output, biased by feedback"
+    how = (
+        "with the external signal as instrument"
+        if measured.external
+        else "of input and output, biased by feedback"
+    )
     caption = f"Frequency responses in SI. Spectral estimate (Welch, 5.12 s) {how}; model with its 95 % band."
     return Graph("magnitude", "Frequency responses: magnitude", caption, tuple(rows))
 
@@ -248,7 +252,9 @@ def coherence_graph(found: Identified, measured: Spectrum) -> Graph:
         for index, name in enumerate(found.estimate.structure.outputs)
     ]
     what = "external signals" if measured.external else "inputs"
-    caption = f"Share of each output's power that the {what} explain together: 1 is no noise and no nonlinearity."
+    caption = (
+        f"Share of each output's power that the {what} explain together: 1 is no noise and no nonlinearity."
+    )
     return Graph("coherence", "Coherence", caption, _rows(plots, 3), row_height=160)
 
 
@@ -292,5 +298,7 @@ def _response(model: StateSpace, outputs: tuple[str, ...], frequencies: Array) -
     """Shape (f, p, m)."""
     rows = [model.outputs.index(name) for name in outputs]
     eye = np.eye(len(model.states))
-    found = [model.C[rows] @ np.linalg.solve(1j * w * eye - model.A, model.B) + model.D[rows] for w in frequencies]
+    found = [
+        model.C[rows] @ np.linalg.solve(1j * w * eye - model.A, model.B) + model.D[rows] for w in frequencies
+    ]
     return np.array(found, dtype=np.complex128)

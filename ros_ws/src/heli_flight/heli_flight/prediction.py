@@ -32,8 +32,16 @@ Array = NDArray[np.float64]
 PROCESS = {"u": 0.003, "v": 0.003, "q": 0.01, "p": 0.01, "w": 0.003, "r": 0.01, "Omega": 0.008, "M_A": 1e-3}
 """Gusts and model errors on the bench, per sample, standard deviations, SI."""
 MEASUREMENT = {
-    **{"theta": 1e-3, "phi": 1e-3, "u": 5e-3, "v": 5e-3, "q": 1e-2, "p": 1e-2, "w": 5e-3, "r": 1e-2},
-    **{"Omega": 0.02, "M_A": 1e-3},
+    "theta": 1e-3,
+    "phi": 1e-3,
+    "u": 5e-3,
+    "v": 5e-3,
+    "q": 1e-2,
+    "p": 1e-2,
+    "w": 5e-3,
+    "r": 1e-2,
+    "Omega": 0.02,
+    "M_A": 1e-3,
 }
 """Noise of the navigation and of the rotor's speed sensor, standard deviations, SI."""
 LEAST = 1e-9
@@ -141,7 +149,9 @@ def noise_of(model: ModelFile, structure: Structure) -> Disturbance | None:
     process = [
         deviation(f"log_q_{name}") if f"log_q_{name}" in identified else 0.0 for name in structure.states
     ]
-    return Disturbance(np.array(process), np.array([deviation(f"log_r_{name}") for name in structure.outputs]))
+    return Disturbance(
+        np.array(process), np.array([deviation(f"log_r_{name}") for name in structure.outputs])
+    )
 
 
 def external_signal(excitation: Excitation, structure: Structure) -> Array:

@@ -33,7 +33,19 @@ def parser() -> argparse.ArgumentParser:
         description="Helicopter test bench: fly plans, look at models, design controllers, read bags.",
     )
     words = top.add_subparsers(dest="word", required=True, metavar="COMMAND")
-    for part in (fly, model, design, exchange, navigation, report, bag, replay, parameters, identify, predict):
+    for part in (
+        fly,
+        model,
+        design,
+        exchange,
+        navigation,
+        report,
+        bag,
+        replay,
+        parameters,
+        identify,
+        predict,
+    ):
         part.add_parser(words)
     return top
 

@@ -37,7 +37,9 @@ def add_parser(words: Any) -> None:
     parser.add_argument("plan", nargs="?", help="its first excitation of the structure's inputs")
     parser.add_argument("--signal", metavar="YAML", help="an excitation as in a plan, instead of one")
     parser.add_argument("--structure", choices=tuple(STRUCTURES), default="servo_rotor")
-    parser.add_argument("--model", type=Path, help="prior model file (default: the source's linearised values)")
+    parser.add_argument(
+        "--model", type=Path, help="prior model file (default: the source's linearised values)"
+    )
     parser.add_argument("--controller", help="name or path (default: the plan's, else lq)")
     parser.add_argument("--seconds", default=DURATIONS, help="durations (default: %(default)s)")
     parser.add_argument("--json", action="store_true", help="print one JSON object in SI")
