@@ -58,13 +58,13 @@ APPENDIX_MOTOR_TIME = 0.043
 """T_a as app. C prints it [s]; it conflicts with Table 2.2."""
 
 NOTES = {
-    "horizontal": "Source: Table 2.6. X_u of the full structure is uncertain in the scan; the rows of M_u, M_v, L_u "
-    "and L_v are scrambled and left out. The linearised inputs are turned from 1/deg into 1/rad; the unit of the "
-    "identified inputs is not printed.",
+    "horizontal": "Source: Table 2.6. X_u of the full structure is uncertain in the scan; the rows of M_u, "
+    "M_v, L_u and L_v are scrambled and left out. The linearised inputs are turned from 1/deg into 1/rad; "
+    "the unit of the identified inputs is not printed.",
     "vertical": "Source: Table 2.7 is scrambled in the scan.",
-    "drive": "Source: Table 2.2, motor without rotor, units not printed; k_L stands beside D_Omega. Appendix C "
-    "prints T_a = 0.043 s instead of 0.0134 s. The source calls the drive's corner 73 Hz; 1 / 0.0134 s is 75 rad/s, "
-    "1 / 0.043 s is 23 rad/s, so its text goes with Table 2.2, if Hz stands for rad/s.",
+    "drive": "Source: Table 2.2, motor without rotor, units not printed; k_L stands beside D_Omega. Appendix "
+    "C prints T_a = 0.043 s instead of 0.0134 s. The source calls the drive's corner 73 Hz; 1 / 0.0134 s is "
+    "75 rad/s, 1 / 0.043 s is 23 rad/s, so its text goes with Table 2.2, if Hz stands for rad/s.",
 }
 
 

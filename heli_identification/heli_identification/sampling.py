@@ -38,7 +38,8 @@ class Sampled:
 
     Attributes:
         A: shape (n, n).
-        B: shape (n, m), or (n, 2 m): columns of u(k), then of u(k+1) for a linear input, of u(k-1) for a late.
+        B: shape (n, m), or (n, 2 m): columns of u(k), then of u(k+1) for a linear input,
+            of u(k-1) for a late one.
         dA: shape (r, n, n).
         dB: like B for every parameter, shape (r, n, m) or (r, n, 2 m).
         N: shape (n, n): effect of a constant on the right hand side of x', over one period [s].

@@ -1,4 +1,4 @@
-"""The drive: lag of the speed's converter, coefficients from voltage and speed, with and without the torque."""
+"""The drive: lag of the speed's converter, coefficients from voltage and speed, torque known or not."""
 
 import numpy as np
 import pytest

@@ -24,7 +24,7 @@ def oscillator(damping: float, stiffness: float) -> Structure:
 
 
 def test_an_oscillator_by_hand() -> None:
-    """-d/2 +- i sqrt(s - d^2/4): real part by d alone; with d small the imaginary part by s alone, 1/(2 w)."""
+    """-d/2 +- i sqrt(s - d^2/4): real part by d alone; with d zero the imaginary one by s, 1/(2 w)."""
     found = uncertain_poles(oscillator(0.0, 25.0), np.diag([0.04, 1.0]))
     assert found.values == pytest.approx([5j, -5j])
     assert found.covariance[0] == pytest.approx(np.diag([0.01, 0.01]))

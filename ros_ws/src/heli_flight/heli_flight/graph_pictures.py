@@ -99,7 +99,11 @@ def _traces(curve: Curve, shown: set[str]) -> list[go.Scatter]:
         y = np.column_stack((np.zeros(len(y)), y, np.full(len(y), np.nan))).ravel().astype(np.float32)
     if curve.kind in (Kind.POINTS, Kind.CROSSES):
         cross = curve.kind is Kind.CROSSES
-        marker = {"symbol": "x-thin-open" if cross else "circle", "size": 9 if cross else 4, "color": colour}
+        marker: dict[str, Any] = {
+            "symbol": "x-thin-open" if cross else "circle",
+            "size": 9 if cross else 4,
+            "color": colour,
+        }
         if cross:
             marker["line"] = {"width": 2}
         return [go.Scatter(x=x, y=y, mode="markers", marker=marker, **named)]

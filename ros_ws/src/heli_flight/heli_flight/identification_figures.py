@@ -1,4 +1,4 @@
-"""What an identification shows: simulation beside measurement, poles, residuals, responses (Figures 2.10-2.23)."""
+"""What an identification shows: simulation beside measurement, poles, residuals (Figures 2.10-2.23)."""
 
 from __future__ import annotations
 
@@ -7,16 +7,12 @@ from math import degrees
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_common.errors import InputError
 from heli_common.linear_model import StateSpace
-from heli_flight.design_charts import GREEK, decibel
+from heli_flight.design_charts import GREEK
 from heli_flight.graphs import Curve, Graph, Kind, Plot
 from heli_flight.identification import SIMULATED, Identified
 from heli_identification.pole_uncertainty import uncertain_poles
 from heli_identification.residual_tests import autocorrelation, cross_correlation
-from heli_identification.spectra import Spectrum, spectrum
-from heli_identification.uncertainty import QUANTILE_95
-from heli_identification.validation import Response, response
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -25,8 +21,6 @@ MEASURED, SIMULATION, PRIOR = 0, 1, 2
 """Numbers of colours."""
 SHOWN = 4
 """Segments of validation that are drawn; the table has all."""
-FASTEST = 60.0
-"""Highest frequency of a spectrum that is shown [rad/s]."""
 FIGURES = {
     "full": "2.18, 2.19",
     "servo_rotor": "2.20, 2.21",
@@ -39,37 +33,6 @@ _UNITS = {"u": "m/s", "v": "m/s", "w": "m/s", "M_A": "N m", "Omega": "rad/s"}
 _ANGLES = ("theta", "phi")
 
 
-def graphs(found: Identified, prior: StateSpace | None) -> dict[str, list[Graph]]:
-    """Graphs by the section they stand in: `comparison`, `poles`, `residuals` and `responses`.
-
-    Args:
-        found: identification.
-        prior: model that stands beside it, of the same states.
-    """
-    made = {
-        "comparison": [comparison_graph(found)] if found.fit is not None else [],
-        "poles": [pole_graph(found, prior)],
-        "residuals": [residual_graph(found)],
-        "responses": [],
-    }
-    longest = max(found.records, key=len)
-    try:
-        measured = spectrum(longest)
-    except InputError:
-        return made
-    kept = measured.frequencies <= FASTEST
-    frequencies = measured.frequencies[kept]
-    estimate = found.estimate
-    model = response(estimate.structure, estimate.covariance, frequencies)
-    beside = None if prior is None else _response(prior, estimate.structure.outputs, frequencies)
-    made["responses"] = [
-        magnitude_graph(found, measured, model, beside),
-        phase_graph(found, measured, model, beside),
-        coherence_graph(found, measured),
-    ]
-    return made
-
-
 def comparison_graph(found: Identified) -> Graph:
     """Free simulation beside measurement, two outputs in a row."""
     fit = found.fit
@@ -77,7 +40,7 @@ def comparison_graph(found: Identified) -> Graph:
         raise ValueError("nothing was validated")
     count = round(SIMULATED / found.records[0].period)
     used = min(SHOWN, len(fit.segments)) * count
-    time = np.arange(used) * found.records[0].period
+    time: Array = np.arange(used) * found.records[0].period
     breaks = np.arange(used) % count == count - 1
     plots = []
     for index, name in enumerate(fit.outputs):
@@ -95,7 +58,7 @@ def comparison_graph(found: Identified) -> Graph:
         f"state, deviations from the mean (source Figures {figure}). The first {used // count} of "
         f"{len(fit.segments)} segments; the fit is that of all."
     )
-    return Graph("comparison", "Simulation beside measurement", caption, _rows(plots, 2))
+    return Graph("comparison", "Simulation beside measurement", caption, in_rows(plots, 2))
 
 
 def pole_graph(found: Identified, prior: StateSpace | None) -> Graph:
@@ -117,8 +80,8 @@ def pole_graph(found: Identified, prior: StateSpace | None) -> Graph:
         if np.any(part):
             plots.append(_pole_plot(title, tuple(curves), known[part]))
     caption = (
-        "Ellipses hold a pole with 95 % by the covariance of the coefficients, to first order; lines for real "
-        "poles (source Figure 2.23)."
+        "Ellipses hold a pole with 95 % by the covariance of the coefficients, to first order; lines for "
+        "real poles (source Figure 2.23)."
     )
     return Graph("poles", "Pole map", caption, (tuple(plots),), row_height=380)
 
@@ -141,121 +104,29 @@ def residual_graph(found: Identified) -> Graph:
     residuals = np.vstack(found.estimate.residuals)
     inputs = np.vstack([r.u[: len(e)] for r, e in zip(found.records, found.estimate.residuals, strict=True)])
     own, cross = autocorrelation(residuals), cross_correlation(residuals, inputs)
+    both: Array = cross.lags * period
     rows = []
     for row, output in enumerate(structure.outputs):
         later = own.lags > 0
-        lags = own.lags[later] * period
+        lags: Array = own.lags[later] * period
         curve = Curve("autocorrelation", lags, own.values[later, row], MEASURED, kind=Kind.STEMS)
         plots = [_correlation_plot(f"{shown(output)} with itself", curve, float(own.bound[row]))]
         for column, name in enumerate(structure.inputs):
             values = cross.values[:, row, column]
-            curve = Curve("with the input", cross.lags * period, values, SIMULATION, kind=Kind.STEMS)
+            curve = Curve("with the input", both, values, SIMULATION, kind=Kind.STEMS)
             title = f"{shown(output)} with {shown(name)}"
             plots.append(_correlation_plot(title, curve, float(cross.bound[row, column])))
         rows.append(tuple(plots))
     caption = (
-        "Dotted: white residuals stay inside 95 % of the time. Positive lags are earlier inputs: what stands out "
-        "there the model leaves unexplained. Negative lags are later inputs, which feedback ties to the residuals."
+        "Dotted: white residuals stay inside 95 % of the time. Positive lags are earlier inputs: what stands "
+        "out there the model leaves unexplained. Negative lags are later inputs, which feedback ties to the "
+        "residuals."
     )
     return Graph("residuals", "Residuals of the estimation", caption, tuple(rows), row_height=130)
 
 
 def _correlation_plot(title: str, curve: Curve, bound: float) -> Plot:
     return Plot(title, "lag [s]", "", (curve,), limits=(-bound, bound))
-
-
-def magnitude_graph(
-    found: Identified, measured: Spectrum, model: Response, prior: ComplexArray | None
-) -> Graph:
-    """|G| of every path: spectral estimate, model with its band, prior."""
-
-    def curves(path: tuple[int, int]) -> tuple[Curve, ...]:
-        f = model.frequencies
-        values, deviation = np.abs(model.values[:, *path]), model.deviation[:, *path]
-        seen = np.abs(measured.values[: len(f), *path])
-        scatter = measured.deviation[: len(f), *path]
-        found_curves = [
-            _band("spectrum, 95 %", f, decibel(_low(seen, scatter)), decibel(_high(seen, scatter)), MEASURED),
-            Curve("spectrum", f, decibel(seen), MEASURED, kind=Kind.POINTS),
-            _band(
-                "model, 95 %",
-                f,
-                decibel(_low(values, deviation)),
-                decibel(_high(values, deviation)),
-                SIMULATION,
-            ),
-            Curve("model", f, decibel(values), SIMULATION),
-        ]
-        if prior is not None:
-            found_curves.append(Curve("prior", f, decibel(np.abs(prior[:, *path])), PRIOR, kind=Kind.DASHED))
-        return tuple(found_curves)
-
-    rows = []
-    for p, output in enumerate(found.estimate.structure.outputs):
-        plots = []
-        for m, name in enumerate(found.estimate.structure.inputs):
-            size = decibel(np.abs(model.values[:, p, m]))
-            window = (float(size.min()) - 15.0, float(size.max()) + 15.0)
-            title = f"{shown(output)} by {shown(name)}"
-            plots.append(Plot(title, "frequency [rad/s]", "[dB]", curves((p, m)), log=True, y_range=window))
-        rows.append(tuple(plots))
-    how = (
-        "with the external signal as instrument"
-        if measured.external
-        else "of input and output, biased by feedback"
-    )
-    caption = f"Frequency responses in SI. Spectral estimate (Welch, 5.12 s) {how}; model with its 95 % band."
-    return Graph("magnitude", "Frequency responses: magnitude", caption, tuple(rows))
-
-
-def phase_graph(found: Identified, measured: Spectrum, model: Response, prior: ComplexArray | None) -> Graph:
-    """Phases of every path; that of the spectrum within half a turn of the model's."""
-    rows = []
-    f = model.frequencies
-    for p, output in enumerate(found.estimate.structure.outputs):
-        plots = []
-        for m, name in enumerate(found.estimate.structure.inputs):
-            values = model.values[:, p, m]
-            phase = np.degrees(np.unwrap(np.angle(values)))
-            share = model.deviation[:, p, m] / np.maximum(np.abs(values), 1e-300)
-            half = np.degrees(np.minimum(QUANTILE_95 * share / np.sqrt(2.0), np.pi))
-            told = measured.deviation[: len(f), p, m] < 0.5 * np.abs(measured.values[: len(f), p, m])
-            seen = phase + np.degrees(np.angle(measured.values[: len(f), p, m] / values))
-            curves = [
-                Curve("spectrum", f[told], seen[told], MEASURED, kind=Kind.POINTS),
-                _band("model, 95 %", f, phase - half, phase + half, SIMULATION),
-                Curve("model", f, phase, SIMULATION),
-            ]
-            if prior is not None:
-                beside = phase + np.degrees(np.unwrap(np.angle(prior[:, p, m] / values)))
-                curves.append(Curve("prior", f, beside, PRIOR, kind=Kind.DASHED))
-            title = f"{shown(output)} by {shown(name)}"
-            plots.append(Plot(title, "frequency [rad/s]", "[deg]", tuple(curves), log=True))
-        rows.append(tuple(plots))
-    caption = "The spectrum where its error is below half its size, within half a turn of the model."
-    return Graph("phase", "Frequency responses: phase", caption, tuple(rows))
-
-
-def coherence_graph(found: Identified, measured: Spectrum) -> Graph:
-    """Share of every output's power that the external signals explain."""
-    kept = measured.frequencies <= FASTEST
-    f = measured.frequencies[kept]
-    plots = [
-        Plot(
-            shown(name),
-            "frequency [rad/s]",
-            "",
-            (Curve("coherence", f, measured.coherence[kept, index], MEASURED),),
-            log=True,
-            y_range=(0.0, 1.02),
-        )
-        for index, name in enumerate(found.estimate.structure.outputs)
-    ]
-    what = "external signals" if measured.external else "inputs"
-    caption = (
-        f"Share of each output's power that the {what} explain together: 1 is no noise and no nonlinearity."
-    )
-    return Graph("coherence", "Coherence", caption, _rows(plots, 3), row_height=160)
 
 
 def shown(name: str) -> str:
@@ -272,33 +143,8 @@ def _factor(name: str) -> float:
     return 1.0 if name in _UNITS else degrees(1.0)
 
 
-def _rows(plots: list[Plot], columns: int) -> tuple[tuple[Plot, ...], ...]:
+def in_rows(plots: list[Plot], columns: int) -> tuple[tuple[Plot, ...], ...]:
     """Plots in rows; columns that do not come out even become fewer."""
     while len(plots) % columns:
         columns -= 1
     return tuple(tuple(plots[at : at + columns]) for at in range(0, len(plots), columns))
-
-
-def _band(label: str, x: Array, low: Array, high: Array, colour: int) -> Curve:
-    return Curve(label, x, low, colour, kind=Kind.BAND, upper=high)
-
-
-def _low(size: Array, deviation: Array) -> Array:
-    # half the deviation of the complex value is along the value
-    low: Array = np.maximum(size - QUANTILE_95 * deviation / np.sqrt(2.0), 0.01 * size)
-    return low
-
-
-def _high(size: Array, deviation: Array) -> Array:
-    high: Array = size + QUANTILE_95 * deviation / np.sqrt(2.0)
-    return high
-
-
-def _response(model: StateSpace, outputs: tuple[str, ...], frequencies: Array) -> ComplexArray:
-    """Shape (f, p, m)."""
-    rows = [model.outputs.index(name) for name in outputs]
-    eye = np.eye(len(model.states))
-    found = [
-        model.C[rows] @ np.linalg.solve(1j * w * eye - model.A, model.B) + model.D[rows] for w in frequencies
-    ]
-    return np.array(found, dtype=np.complex128)

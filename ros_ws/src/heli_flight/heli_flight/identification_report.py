@@ -18,7 +18,7 @@ from heli_flight.design_tables import number
 from heli_flight.graph_pictures import graph_png, plotly_graph
 from heli_flight.graphs import Graph
 from heli_flight.identification import Identified
-from heli_flight.identification_figures import graphs, shown
+from heli_flight.identification_figures import comparison_graph, pole_graph, residual_graph, shown
 from heli_flight.identification_tables import (
     coefficient_table,
     fit_table,
@@ -28,6 +28,7 @@ from heli_flight.identification_tables import (
 )
 from heli_flight.picture import data_uri
 from heli_flight.report import page_environment
+from heli_flight.response_figures import response_graphs
 from heli_identification.identified_model import block_of
 from heli_identification.published_coefficients import NOTES
 from heli_identification.records import data_hash
@@ -85,6 +86,21 @@ def write_identification_report(
     except OSError as error:
         raise InputError(f"cannot be written: {error.strerror}", file=error.filename or page) from None
     return IdentificationReport(page, tuple(pictures))
+
+
+def graphs(found: Identified, prior: StateSpace | None) -> dict[str, list[Graph]]:
+    """Graphs by the section they stand in: `comparison`, `poles`, `residuals` and `responses`.
+
+    Args:
+        found: identification.
+        prior: model that stands beside it, of the same states.
+    """
+    return {
+        "comparison": [comparison_graph(found)] if found.fit is not None else [],
+        "poles": [pole_graph(found, prior)],
+        "residuals": [residual_graph(found)],
+        "responses": response_graphs(found, prior),
+    }
 
 
 def _beside(structure: Structure, prior: ModelFile | None) -> Structure | None:

@@ -1,4 +1,4 @@
-"""Tables of the identification report: coefficients beside the source's, fit of every segment, poles, residuals."""
+"""Tables of the identification report: coefficients beside the source's, fits, poles, residuals."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ def coefficient_table(found: Identified, prior: Structure | None) -> Table:
     note = (
         "Standard errors by Fisher's information."
         if estimate.white
-        else "Residuals are coloured: standard errors are the robust ones, over 1 s; the Cramér-Rao bound would hold "
-        "for white ones."
+        else "Residuals are coloured: standard errors are the robust ones, over 1 s; the Cramér-Rao bound "
+        "would hold for white ones."
     )
     return Table("", note, (*header, *(("prior",) if prior is not None else ()), *titles), tuple(rows))
 
@@ -135,7 +135,7 @@ def residual_table(found: Identified) -> Table:
         "autocorrelations outside",
         *(f"with {shown(name)} outside" for name in estimate.structure.inputs),
     )
-    note = f"Of the lags to {25 * period:g} s; white residuals have 5 % outside, inputs counted before the residual."
+    note = f"Of the lags to {25 * period:g} s, of inputs the earlier ones; white residuals have 5 % outside."
     return Table("", note, header, tuple(rows))
 
 

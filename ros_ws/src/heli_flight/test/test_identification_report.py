@@ -9,8 +9,8 @@ import pytest
 from heli_common.errors import InputError
 from heli_flight.graph_pictures import graph_png, plotly_graph
 from heli_flight.identification import Choice, Identified
-from heli_flight.identification_figures import comparison_graph, graphs, pole_graph, residual_graph
-from heli_flight.identification_report import write_identification_report
+from heli_flight.identification_figures import comparison_graph, pole_graph, residual_graph
+from heli_flight.identification_report import graphs, write_identification_report
 from heli_flight.identification_tables import coefficient_table, fit_table, pole_table, residual_table
 from heli_identification.helicopter_structures import SERVO_ROTOR
 from heli_identification.identified_model import prior_model
