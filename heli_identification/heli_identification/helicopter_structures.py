@@ -14,11 +14,14 @@
                                                  V_t' = k_r r + k_Vt V_t + k_ut theta_t
     drive (eq. 2.48, 2.49)                       M_A' = (-M_A - k_Omega Omega + k_U U_mot) / T_a
                                                  Omega' = k_a M_A + D_Omega Omega
+    drive with the torque measured, too          the same with k_a and D_Omega free
 
 Prior values: the source's linearised model where the scan is readable, else the rebuilt one (spec 1.5).
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from heli_common.errors import InputError
 from heli_identification.structures import Parameter, Structure, Term
@@ -246,7 +249,14 @@ DRIVE = Structure(
     stages=(("k_U", "k_Omega"), ("T_a",)),
 )
 
-STRUCTURES = {each.name: each for each in (FULL, SERVO_ROTOR, VERTICAL, VERTICAL_FULL, DRIVE)}
+DRIVE_TORQUE = replace(
+    DRIVE.with_free(DRIVE.names),
+    name="drive_torque",
+    outputs=("Omega", "M_A"),
+    stages=(("k_U", "k_Omega", "k_a"), ("T_a", "D_Omega")),
+)
+
+STRUCTURES = {each.name: each for each in (FULL, SERVO_ROTOR, VERTICAL, VERTICAL_FULL, DRIVE, DRIVE_TORQUE)}
 
 
 def structure_of(name: str) -> Structure:

@@ -18,7 +18,7 @@ from heli_common.timing import CONTROL_PERIOD, CONTROL_PERIOD_NS
 from heli_identification.flight_signals import Channel, FlightSignals
 from heli_identification.helicopter_structures import SCALES, SHAFT_REACTION, VERTICAL
 from heli_identification.records import Record
-from heli_identification.servo_timing import servo_positions
+from heli_identification.servo_timing import after_converter, as_late_as_speed, servo_positions
 from heli_identification.structures import Structure
 
 Array = NDArray[np.float64]
@@ -31,6 +31,8 @@ SAMPLES_PER_PARAMETER = 10
 """Fewer samples per coefficient are refused."""
 LEAST_MOTION = 0.017
 """An input that moves less than this share of its scale is at rest: a cyclic by one microsecond of pulse."""
+LEAST_VOLTAGE = 0.01
+"""The same for the control voltage [V]: the drive is linear over 0.06 V above hover only."""
 
 
 class InputSource(Enum):
@@ -86,7 +88,12 @@ def prepare(
     stamps, columns = _joined([*inputs, *outputs, *external], segment, signals.name)
     m, p = len(inputs), len(outputs)
     u = columns[:, :m]
-    if source is InputSource.COMMAND and structure.inputs != ("U_mot",):
+    if structure.inputs == ("U_mot",):
+        u = after_converter(u, CONTROL_PERIOD)
+        if "M_A" in structure.outputs:
+            place = m + structure.outputs.index("M_A")
+            columns[:, place] = as_late_as_speed(columns[:, place], CONTROL_PERIOD)
+    elif source is InputSource.COMMAND:
         u = servo_positions(stamps, u, structure.inputs)
     r = columns[:, m + p :] if len(external) == m else None
     record = Record(
@@ -187,7 +194,8 @@ def require_excited(record: Record, structure: Structure) -> None:
             if np.ptp(column) == 0.0:
                 raise InputError(f"{kind} {name} is constant", allowed="a signal that moves", key=place)
     for name, column in zip(record.inputs, record.u.T, strict=True):
-        moved, least = float(np.std(column)), LEAST_MOTION * SCALES.get(name, 1.0)
+        least = LEAST_VOLTAGE if name == "U_mot" else LEAST_MOTION * SCALES.get(name, 1.0)
+        moved = float(np.std(column))
         if moved < least:
             problem = f"input {name} is not excited: it moves by {moved:.2g} rms"
             raise InputError(problem, allowed=f"at least {least:.2g}; add an excitation", key=place)

@@ -2,6 +2,8 @@
 
     x(k+1) = A_d x(k) + B_d u(k)                     input held (a command that a digital output holds)
     x(k+1) = A_d x(k) + B_0 u(k) + B_1 u(k+1)        input linear between samples (a measured actuator)
+    x(k+1) = A_d x(k) + B_0 u(k) + B_1 u(k-1)        input changes in the middle of the period (a command
+                                                     that takes effect half a period late)
 
 Both come from one exponential of an augmented matrix (C. Van Loan, 1978); its derivative with respect to a
 parameter is that of the block matrix [[M, dM], [0, M]] (R. Mathias, 1996).
@@ -26,6 +28,8 @@ class Hold(Enum):
 
     ZERO = "zero"
     LINEAR = "linear"
+    LATE = "late"
+    """held, and changing in the middle of the period"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +38,10 @@ class Sampled:
 
     Attributes:
         A: shape (n, n).
-        B: shape (n, m), or (n, 2 m) for a linear input: columns of u(k), then of u(k+1).
+        B: shape (n, m), or (n, 2 m): columns of u(k), then of u(k+1) for a linear input,
+            of u(k-1) for a late one.
         dA: shape (r, n, n).
-        dB: shape (r, n, m) or (r, n, 2 m).
+        dB: like B for every parameter, shape (r, n, m) or (r, n, 2 m).
         N: shape (n, n): effect of a constant on the right hand side of x', over one period [s].
         dN: shape (r, n, n).
     """
@@ -58,6 +63,8 @@ def sample(structure: Structure, values: Array, period: float, hold: Hold = Hold
         period: sample time [s].
         hold: of the input.
     """
+    if hold is Hold.LATE:
+        return _late(structure, values, period)
     a, b = structure.matrices(values)
     da, db = structure.derivatives(values)
     n, m = b.shape
@@ -102,6 +109,21 @@ def sample(structure: Structure, values: Array, period: float, hold: Hold = Hold
     )
 
 
+def _late(structure: Structure, values: Array, period: float) -> Sampled:
+    """Two halves one after the other: the first with the input before, the second with the new one."""
+    half = sample(structure, values, 0.5 * period, Hold.ZERO)
+    a, b, n = half.A, half.B, half.N
+    da, db, dn = half.dA, half.dB, half.dN
+    return Sampled(
+        A=a @ a,
+        B=np.hstack((b, a @ b)),
+        dA=da @ a + a @ da,
+        dB=np.concatenate((db, da @ b + a @ db), axis=-1),
+        N=n + a @ n,
+        dN=dn + da @ n + a @ dn,
+    )
+
+
 def held_inputs(inputs: Array, hold: Hold) -> Array:
     """The input columns that belong to `Sampled.B`.
 
@@ -110,9 +132,12 @@ def held_inputs(inputs: Array, hold: Hold) -> Array:
         hold: of the input.
 
     Returns:
-        shape (N, m), or (N, 2 m) with the next sample beside each; the last one repeats itself.
+        shape (N, m), or (N, 2 m) with the next sample beside each, or the one before for a late input; at the
+        end a sample repeats itself.
     """
     if hold is Hold.ZERO:
         return inputs
+    if hold is Hold.LATE:
+        return np.hstack((inputs, np.vstack((inputs[:1], inputs[:-1]))))
     following = np.vstack((inputs[1:], inputs[-1:]))
     return np.hstack((inputs, following))

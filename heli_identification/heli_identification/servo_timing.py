@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 PLATE_LEVER, TAIL_LEVER = 6.0, 4.0
 """Shaft angle per blade angle (spec 2.5, D)."""
+CONVERTER_LAG = 0.005
+"""Of the rotor speed's frequency-to-voltage converter [s] (spec 2.6, D)."""
 AZIMUTHS = (0.0, 2.0 * pi / 3.0, 4.0 * pi / 3.0)
 """Of the swash-plate servos from the nose [rad] (spec 2.5, D)."""
 
@@ -78,6 +80,46 @@ def servo_positions(
         rate = np.where(limited, fastest + (rate - fastest) * decay, free[1])
     positions: Array = found[np.searchsorted(grid, stamps)] @ np.linalg.pinv(levers).T
     return positions
+
+
+def after_converter(voltages: Array, period: float, lag: float = CONVERTER_LAG) -> Array:
+    """Held voltages after the lag of the converter that measures the speed, averaged over each holding.
+
+    Everything between voltage and speed is linear, so the lag of the measurement may stand before the drive.
+
+    Args:
+        voltages: each held for one period, deviations or absolute [V], shape (N, m).
+        period: [s].
+        lag: of the converter [s].
+    """
+    kept = exp(-period / lag)
+    mean = lag / period * (1.0 - kept)
+    state: Array = voltages[0].copy()
+    found = np.empty_like(voltages)
+    for index, voltage in enumerate(voltages):
+        found[index] = voltage + mean * (state - voltage)
+        state = voltage + kept * (state - voltage)
+    return found
+
+
+def as_late_as_speed(torques: Array, period: float, lag: float = CONVERTER_LAG) -> Array:
+    """A torque, linear between samples, after the same lag.
+
+    Args:
+        torques: at the samples [N m], shape (N,).
+        period: [s].
+        lag: of the converter [s].
+    """
+    kept = exp(-period / lag)
+    mean = lag / period * (1.0 - kept)
+    state = float(torques[0])
+    found = np.empty_like(torques)
+    found[0] = state
+    for index in range(1, len(torques)):
+        before, now = float(torques[index - 1]), float(torques[index])
+        state = kept * state + (mean - kept) * before + (1.0 - mean) * now
+        found[index] = state
+    return found
 
 
 def shaft_levers(inputs: Sequence[str]) -> Array:

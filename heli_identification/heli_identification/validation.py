@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve
-from scipy.signal import coherence, csd
 
 from heli_common.errors import InputError
 from heli_identification.records import Record
@@ -159,56 +158,3 @@ def response(structure: Structure, covariance: Array, frequencies: Array) -> Res
         variance = np.einsum("rpm,rs,spm->pm", slopes, usable, slopes.conj()).real
         deviation[index] = np.sqrt(np.maximum(variance, 0.0))
     return Response(frequencies, values, deviation)
-
-
-@dataclass(frozen=True, eq=False)
-class Spectrum:
-    """Spectral estimate of one path.
-
-    Attributes:
-        frequencies: [rad/s], shape (f,).
-        values: cross spectrum through input spectrum, shape (f,).
-        coherence: 0 .. 1, shape (f,).
-        deviation: standard deviation of the complex value, shape (f,).
-    """
-
-    frequencies: Array
-    values: ComplexArray
-    coherence: Array
-    deviation: Array
-
-
-def spectrum(record: Record, output: str, input_: str, length: float = 5.12) -> Spectrum:
-    """Spectral estimate by Welch's method; from the external signal if there is one, as feedback asks for.
-
-    With an external signal r the path is S_ry / S_ru, which feedback does not bias.
-
-    Args:
-        record: data.
-        output: name.
-        input_: name.
-        length: of a window [s].
-
-    Raises:
-        InputError: fewer than three windows.
-    """
-    y = record.y[:, record.outputs.index(output)]
-    place = record.inputs.index(input_)
-    u = record.u[:, place]
-    window = round(length / record.period)
-    if len(record) < 3 * window:
-        raise InputError(
-            f"{record.duration:.1f} s of data", allowed=f"at least {3 * length:g} s", key="spectrum"
-        )
-    options = {"fs": 1.0 / record.period, "nperseg": window}
-    r = u if record.r is None or not np.any(record.r[:, place]) else record.r[:, place]
-    frequencies, through = csd(r, y, **options)
-    _, into = csd(r, u, **options)
-    _, agreement = coherence(r, y, **options)
-
-    values = through[1:] / np.where(np.abs(into[1:]) > 0.0, into[1:], np.nan)
-    averages = 2.0 * len(record) / window - 1.0
-    share = np.clip(agreement[1:], 1e-6, 1.0)
-    deviation = np.abs(values) * np.sqrt((1.0 - share) / (share * averages))
-
-    return Spectrum(2.0 * np.pi * frequencies[1:], values, agreement[1:], deviation)

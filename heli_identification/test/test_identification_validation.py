@@ -14,7 +14,7 @@ from heli_identification.linear_twin import Disturbance, Twin, lq_feedback
 from heli_identification.prediction_error import prediction_error
 from heli_identification.records import Record
 from heli_identification.sampling import Hold
-from heli_identification.validation import fit, response, simulate, spectrum
+from heli_identification.validation import fit, response, simulate
 
 
 def open_loop(noise: float, process: float = 0.0) -> Twin:
@@ -79,34 +79,6 @@ def test_response_band_holds_the_truth() -> None:
         band = response(found.structure, found.covariance, omega)
         squares.append(np.abs(band.values - exact) ** 2 / band.deviation**2)
     assert 0.2 < float(np.mean(squares)) < 2.5  # expected 1
-
-
-def test_spectrum_of_a_lag() -> None:
-    rng = np.random.default_rng(3)
-    record = open_loop(0.05).fly(np.repeat(rng.choice([-1.0, 1.0], (3000, 1)), 2, axis=0), rng)
-    found = spectrum(record, "x", "u", length=20.0)
-    place = int(np.searchsorted(found.frequencies, 2.0))
-    held = 3.0 / (1.0 + 0.5j * found.frequencies[place])
-    assert abs(found.values[place]) == pytest.approx(abs(held), rel=0.1)
-    assert found.coherence[place] > 0.95
-    with pytest.raises(InputError, match="at least 60 s"):
-        spectrum(record.piece(0, 500), "x", "u", length=20.0)
-
-
-def test_feedback_does_not_bias_the_spectrum_from_the_external_signal() -> None:
-    """In a loop dominated by noise, S_yu / S_uu sees the inverse of the feedback; S_yr / S_ur the plant."""
-    gain = StateSpace(
-        (), ("x",), ("u",), np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.array([[-0.5]])
-    )
-    rng = np.random.default_rng(4)
-    twin = Twin(lag(), gain, Disturbance(np.array([0.5]), np.zeros(1)), 0.1)
-    record = twin.fly(0.3 * rng.standard_normal((40_000, 1)), rng)
-    low = slice(0, 4)
-    right = spectrum(record, "x", "u", length=10.0)
-    wrong = spectrum(Record("x", 0.1, ("u",), ("x",), record.u, record.y), "x", "u", length=10.0)
-    exact = 3.0 / (1.0 + 0.5j * right.frequencies[low])
-    assert np.all(np.abs(right.values[low] - exact) < 3.0 * right.deviation[low])
-    assert np.all(np.abs(wrong.values[low] - exact) > 10.0 * wrong.deviation[low])
 
 
 def test_bound_by_hand() -> None:

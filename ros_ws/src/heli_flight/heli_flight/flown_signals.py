@@ -41,22 +41,29 @@ def flight_signals(record: FlightRecord) -> FlightSignals:
         "r": motion.rates[:, 2],
     }
     measured = {name: Channel(stamps, values[known]) for name, values in columns.items()}
-    rotor_stamps, speed = record.rotor_speed
-    measured["Omega"] = Channel(rotor_stamps, speed)
+    measured["Omega"] = Channel(*record.rotor_speed)
+    actuator = record.series["actuator_state"]
+    measured["M_A"] = Channel(actuator.stamps, actuator.column("effort.motor"))
     actuators = _channels(*record.actuator_state)
     command_stamps, asked = record.servo_command
-    excitation = _excitation(record)
+    excitation = _sent(record, "excitation", tuple(f"position.{name}" for name in SERVO_CHANNELS))
     if excitation is not None:
         asked = asked + _at(command_stamps, *excitation)
     commands = _channels(command_stamps, asked)
-    voltage = Channel(*record.motor_voltage)
-    actuators["U_mot"] = commands["U_mot"] = voltage
+    voltage_stamps, volts = record.motor_voltage
+    added = _sent(record, "motor_excitation", ("effort.motor",))
+    if added is not None:
+        volts = volts + _at(voltage_stamps, *added)[:, 0]
+    actuators["U_mot"] = commands["U_mot"] = Channel(voltage_stamps, volts)
+    external = {} if excitation is None else _channels(*excitation)
+    if added is not None:
+        external["U_mot"] = Channel(added[0], added[1][:, 0])
     return FlightSignals(
         name=record.bag.folder.name,
         measured=measured,
         actuators=actuators,
         commands=commands,
-        excitation={} if excitation is None else _channels(*excitation),
+        excitation=external,
     )
 
 
@@ -77,12 +84,12 @@ def _channels(stamps: Stamps, values: Array) -> dict[str, Channel]:
     return {name: Channel(stamps, values[:, index]) for index, name in enumerate(SERVO_CHANNELS)}
 
 
-def _excitation(record: FlightRecord) -> tuple[Stamps, Array] | None:
-    """The external signal, if the flight has the topic and something was sent on it."""
-    series = record.series.get("excitation")
+def _sent(record: FlightRecord, topic: str, fields: tuple[str, ...]) -> tuple[Stamps, Array] | None:
+    """An external signal, if the flight has its topic and something was sent on it."""
+    series = record.series.get(topic)
     if series is None or not len(series.stamps):
         return None
-    return series.stamps, series.columns(tuple(f"position.{name}" for name in SERVO_CHANNELS))
+    return series.stamps, series.columns(fields)
 
 
 def _at(stamps: Stamps, other: Stamps, values: Array) -> Array:

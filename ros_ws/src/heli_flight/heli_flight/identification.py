@@ -71,6 +71,7 @@ class Identified:
         means: operating point that was flown.
         fit: on validation data, None if there are none.
         segments: flight, begin and end of every piece estimated from.
+        validation: pieces the fit is judged on, named like `segments`.
     """
 
     choice: Choice
@@ -79,6 +80,7 @@ class Identified:
     means: dict[str, float]
     fit: Fit | None
     segments: tuple[str, ...]
+    validation: tuple[str, ...] = ()
 
     def remarks(self) -> dict[str, Any]:
         """How the estimate was made, plain values."""
@@ -128,9 +130,17 @@ def identify(flights: Sequence[FlightRecord], choice: Choice, prior: ModelFile |
             prepare(flight_signals(flight), structure, segment, source=choice.source, excited=False)[0]
             for flight, segment in validation
         ]
-        judged = fit(estimate.structure, others, hold=Hold.LINEAR, segment=SIMULATED)
-    names = tuple(f"{flight.bag.folder.name} {segment}" for flight, segment in estimation)
-    return Identified(choice, estimate, records, means, judged, names)
+        judged = fit(estimate.structure, others, hold=hold_of(structure), segment=SIMULATED)
+    names, others_names = (
+        tuple(f"{flight.bag.folder.name} {segment}" for flight, segment in pieces)
+        for pieces in (estimation, validation)
+    )
+    return Identified(choice, estimate, records, means, judged, names, others_names)
+
+
+def hold_of(structure: Structure) -> Hold:
+    """What the input does between samples: positions are measured, the voltage is held from 5 ms on."""
+    return Hold.LATE if structure.inputs == ("U_mot",) else Hold.LINEAR
 
 
 def _structure(choice: Choice, prior: ModelFile | None) -> Structure:
@@ -179,20 +189,28 @@ def _estimate(structure: Structure, records: Sequence[Record], choice: Choice) -
                 allowed=f"{Noise.OUTPUT_ERROR.value}, as in the source, or raw data",
                 key="--noise",
             )
-        return prediction_error(structure, records, noise=choice.noise, hold=Hold.LINEAR)
+        return prediction_error(structure, records, noise=choice.noise, hold=hold_of(structure))
     if choice.method == "projection":
-        return projection(structure, records, hold=Hold.LINEAR)
+        return projection(structure, records, hold=hold_of(structure))
     if choice.method == "ls":
         return regression_estimate(least_squares(structure, records), records)
     if choice.method in ("indirect", "joint"):
-        feedback = _feedback(structure, choice.controller)
+        feedback = feedback_of(structure, choice.controller)
         joint = choice.method == "joint"
         return indirect(structure, records, feedback, delay=COMMAND_DELAY, joint=joint)
     raise InputError(f"no method {choice.method!r}", allowed=", ".join(METHODS), key="method")
 
 
-def _feedback(structure: Structure, controller: str) -> StateSpace:
-    """The axis of a controller that commands the structure's inputs, references left out."""
+def feedback_of(structure: Structure, controller: str) -> StateSpace:
+    """The axis of a controller that commands the structure's inputs, references left out.
+
+    Args:
+        structure: whose outputs it sees.
+        controller: name or path.
+
+    Raises:
+        InputError: no axis of it does.
+    """
     file = load_controller(controller)
     for axis in (file.horizontal.system, file.vertical.system):
         if set(axis.outputs) == set(structure.inputs):

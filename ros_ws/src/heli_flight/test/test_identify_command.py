@@ -64,6 +64,7 @@ def write_bag(folder: Path, *, excitation: bool = True, still: bool = False) -> 
             "flight_state": flight_state_values(stage, 163.0),
             "rotor": (0.0, 163.0, 0.0),
             "motor_command": (0.0, 0.0, 5.5),
+            "motor_excitation": (0.0, 0.0, 0.01 * (tick % 3)),
         }
         if excitation:
             values["excitation"] = (*r[tick], *(0.0,) * 10)
@@ -86,6 +87,8 @@ def test_signals_of_a_flight(bag: Path) -> None:
     # what the controllers asked for and the excitation make up the command
     assert signals.commands["A_1s"].values == pytest.approx(u[:, 1] + TRIM["A_1s"])
     assert signals.excitation["B_1s"].values == pytest.approx(r[:, 0])
+    assert signals.actuators["U_mot"].values[:4] == pytest.approx([5.5, 5.51, 5.52, 5.5])
+    assert signals.excitation["U_mot"].values[:3] == pytest.approx([0.0, 0.01, 0.02])
     assert np.max(np.abs(signals.measured["q"].values - x[:, 4])) < 0.003
     assert np.max(np.abs(signals.measured["phi"].values - TRIM["phi"] - x[:, 1])) < 0.003
     segment = free_flight(record)
@@ -105,9 +108,12 @@ def test_identifies_validates_and_writes(
         "13.5-23.9",
         "--out",
         str(out),
+        "--report",
+        str(tmp_path / "report"),
         "--json",
     ]
     assert main(words) == 0
+    assert "flight 13.5-23.9" in (tmp_path / "report" / "identification.html").read_text()
     found = json.loads(capsys.readouterr().out)
     true = dict(zip(TRUTH.names, TRUTH.values.tolist(), strict=True))
     for name in ("M_q", "L_p", "M_1", "L_2", "L_b", "Y_v"):

@@ -51,6 +51,8 @@ def add_parser(words: Any) -> None:
     parser.add_argument("--controller", default="lq", help="flown controller, for indirect and joint")
     parser.add_argument("--prior", type=Path, help="model file: start values and everything not identified")
     parser.add_argument("--out", type=Path, help="model file to write")
+    parser.add_argument("--report", type=Path, metavar="DIR", help="folder for the validation report")
+    parser.add_argument("--static", action="store_true", help="pictures instead of interactive plots in it")
     parser.add_argument("--json", action="store_true", help="print one JSON object in SI")
     parser.set_defaults(func=run)
 
@@ -98,12 +100,22 @@ def run(options: argparse.Namespace) -> int:
     found = identify([FlightRecord.load(folder) for folder in options.bags], choice, prior)
     if options.out is not None:
         found.model(options.out.stem, prior).write(options.out)
+    report = None
+    if options.report is not None:
+        # drawing libraries are slow to load
+        from heli_flight.identification_report import write_identification_report
+
+        report = write_identification_report(
+            found, as_mapping(found), options.report, prior, static=options.static
+        )
     if options.json:
         sys.stdout.write(json.dumps(as_mapping(found), indent=2) + "\n")
     else:
         show(found)
         if options.out is not None:
             sys.stdout.write(f"model {options.out}\n")
+        if report is not None:
+            sys.stdout.write(f"report {report.page}\n")
     return 0
 
 

@@ -21,6 +21,7 @@ from heli_flight.cli import (
     model,
     navigation,
     parameters,
+    predict,
     replay,
     report,
 )
@@ -33,7 +34,21 @@ def parser() -> argparse.ArgumentParser:
         description="Helicopter test bench: fly plans, look at models, design controllers, read bags.",
     )
     words = top.add_subparsers(dest="word", required=True, metavar="COMMAND")
-    for part in (fly, model, design, exchange, navigation, report, bag, replay, parameters, identify, chain):
+    parts = (
+        fly,
+        model,
+        design,
+        exchange,
+        identify,
+        predict,
+        chain,
+        navigation,
+        report,
+        bag,
+        replay,
+        parameters,
+    )
+    for part in parts:
         part.add_parser(words)
     return top
 

@@ -1,0 +1,84 @@
+"""Graphs of the identification report as plain curves: a grid of plots, each with axes of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Kind(Enum):
+    """How a curve is drawn."""
+
+    LINE = "line"
+    WIDE = "wide"
+    """pale and wide, for another curve on top"""
+    DASHED = "dashed"
+    POINTS = "points"
+    CROSSES = "crosses"
+    STEMS = "stems"
+    BAND = "band"
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One curve.
+
+    Attributes:
+        label: in the legend; empty keeps it out.
+        x: shape (n,). y: shape (n,); NaN breaks a line.
+        colour: number of the colour.
+        kind: how it is drawn.
+        upper: of a band, whose lower edge is y; shape (n,).
+    """
+
+    label: str
+    x: Array
+    y: Array
+    colour: int
+    kind: Kind = Kind.LINE
+    upper: Array | None = None
+
+
+@dataclass(frozen=True)
+class Plot:
+    """One pair of axes.
+
+    Attributes:
+        title: above it. x_label, y_label: of the axes.
+        curves: later ones on top.
+        limits: dotted lines across it.
+        log: whether x is logarithmic.
+        x_range, y_range: None takes what there is.
+    """
+
+    title: str
+    x_label: str
+    y_label: str
+    curves: tuple[Curve, ...]
+    limits: tuple[float, ...] = ()
+    log: bool = False
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Graph:
+    """A grid of plots.
+
+    Attributes:
+        key: part of file names and links.
+        title, caption: for people.
+        rows: of plots, all of one length.
+        row_height: of the page's plot [pixels].
+    """
+
+    key: str
+    title: str
+    caption: str
+    rows: tuple[tuple[Plot, ...], ...]
+    row_height: int = 220
