@@ -81,6 +81,9 @@ def magnitude_graph(
         plots = []
         for m, name in enumerate(found.estimate.structure.inputs):
             size = decibel(np.abs(model.values[:, p, m]))
+            if not np.any(model.values[:, p, m]):
+                # a path the structure does not have
+                size = decibel(np.abs(measured.values[: len(size), p, m]))
             window = (float(size.min()) - 15.0, float(size.max()) + 15.0)
             title = f"{shown(output)} by {shown(name)}"
             plots.append(Plot(title, "frequency [rad/s]", "[dB]", curves(p, m), log=True, y_range=window))
@@ -106,14 +109,14 @@ def phase_graph(found: Identified, measured: Spectrum, model: Response, prior: C
             share = model.deviation[:, p, m] / np.maximum(np.abs(values), 1e-300)
             half = np.degrees(np.minimum(QUANTILE_95 * share / np.sqrt(2.0), np.pi))
             told = measured.deviation[: len(f), p, m] < 0.5 * np.abs(measured.values[: len(f), p, m])
-            seen = phase + np.degrees(np.angle(measured.values[: len(f), p, m] / values))
+            seen = phase + np.degrees(np.angle(measured.values[: len(f), p, m] * values.conj()))
             curves = [
                 Curve("spectrum", f[told], seen[told], MEASURED, kind=Kind.POINTS),
                 _band("model, 95 %", f, phase - half, phase + half, SIMULATION),
                 Curve("model", f, phase, SIMULATION),
             ]
             if prior is not None:
-                beside = phase + np.degrees(np.unwrap(np.angle(prior[:, p, m] / values)))
+                beside = phase + np.degrees(np.unwrap(np.angle(prior[:, p, m] * values.conj())))
                 curves.append(Curve("prior", f, beside, PRIOR, kind=Kind.DASHED))
             title = f"{shown(output)} by {shown(name)}"
             plots.append(Plot(title, "frequency [rad/s]", "[deg]", tuple(curves), log=True))
