@@ -9,7 +9,7 @@ from heli_common.errors import InputError
 from heli_common.linear_model import StateSpace
 from heli_flight.design_charts import decibel
 from heli_flight.graphs import Curve, Graph, Kind, Plot
-from heli_flight.identification import Identified
+from heli_flight.identification import Identified, hold_of
 from heli_flight.identification_figures import (
     MEASURED,
     PRIOR,
@@ -17,6 +17,7 @@ from heli_flight.identification_figures import (
     in_rows,
     shown,
 )
+from heli_identification.sampling import Hold
 from heli_identification.spectra import Spectrum, spectrum
 from heli_identification.uncertainty import QUANTILE_95
 from heli_identification.validation import Response, response
@@ -43,6 +44,12 @@ def response_graphs(found: Identified, prior: StateSpace | None) -> list[Graph]:
     estimate = found.estimate
     model = response(estimate.structure, estimate.covariance, frequencies)
     beside = None if prior is None else _response(prior, estimate.structure.outputs, frequencies)
+    if hold_of(estimate.structure) is Hold.LATE:
+        # the spectrum's input is the command: held for a period from half a period after its stamp on
+        turn = frequencies * found.records[0].period
+        held = (np.exp(-1j * turn) * np.sinc(turn / (2.0 * np.pi)))[:, None, None]
+        model = Response(frequencies, model.values * held, model.deviation * np.abs(held))
+        beside = None if beside is None else beside * held
     return [
         magnitude_graph(found, measured, model, beside),
         phase_graph(found, measured, model, beside),
