@@ -40,7 +40,7 @@ def comparison_graph(found: Identified) -> Graph:
         raise ValueError("nothing was validated")
     count = round(SIMULATED / found.records[0].period)
     used = min(SHOWN, len(fit.segments)) * count
-    time: Array = np.arange(used) * found.records[0].period
+    time = np.arange(used, dtype=np.float64) * found.records[0].period
     breaks = np.arange(used) % count == count - 1
     plots = []
     for index, name in enumerate(fit.outputs):
@@ -104,11 +104,11 @@ def residual_graph(found: Identified) -> Graph:
     residuals = np.vstack(found.estimate.residuals)
     inputs = np.vstack([r.u[: len(e)] for r, e in zip(found.records, found.estimate.residuals, strict=True)])
     own, cross = autocorrelation(residuals), cross_correlation(residuals, inputs)
-    both: Array = cross.lags * period
+    both = period * cross.lags.astype(np.float64)
     rows = []
     for row, output in enumerate(structure.outputs):
         later = own.lags > 0
-        lags: Array = own.lags[later] * period
+        lags = period * own.lags[later].astype(np.float64)
         curve = Curve("autocorrelation", lags, own.values[later, row], MEASURED, kind=Kind.STEMS)
         plots = [_correlation_plot(f"{shown(output)} with itself", curve, float(own.bound[row]))]
         for column, name in enumerate(structure.inputs):

@@ -9,7 +9,7 @@ from heli_common.errors import InputError
 from heli_common.linear_model import StateSpace
 from heli_flight.design_charts import decibel
 from heli_flight.graphs import Curve, Graph, Kind, Plot
-from heli_flight.identification import Identified
+from heli_flight.identification import Identified, hold_of
 from heli_flight.identification_figures import (
     MEASURED,
     PRIOR,
@@ -17,6 +17,7 @@ from heli_flight.identification_figures import (
     in_rows,
     shown,
 )
+from heli_identification.sampling import Hold
 from heli_identification.spectra import Spectrum, spectrum
 from heli_identification.uncertainty import QUANTILE_95
 from heli_identification.validation import Response, response
@@ -43,6 +44,12 @@ def response_graphs(found: Identified, prior: StateSpace | None) -> list[Graph]:
     estimate = found.estimate
     model = response(estimate.structure, estimate.covariance, frequencies)
     beside = None if prior is None else _response(prior, estimate.structure.outputs, frequencies)
+    if hold_of(estimate.structure) is Hold.LATE:
+        # the spectrum's input is the command: held for a period from half a period after its stamp on
+        turn = frequencies * found.records[0].period
+        held = (np.exp(-1j * turn) * np.sinc(turn / (2.0 * np.pi)))[:, None, None]
+        model = Response(frequencies, model.values * held, model.deviation * np.abs(held))
+        beside = None if beside is None else beside * held
     return [
         magnitude_graph(found, measured, model, beside),
         phase_graph(found, measured, model, beside),
@@ -81,6 +88,9 @@ def magnitude_graph(
         plots = []
         for m, name in enumerate(found.estimate.structure.inputs):
             size = decibel(np.abs(model.values[:, p, m]))
+            if not np.any(model.values[:, p, m]):
+                # a path the structure does not have
+                size = decibel(np.abs(measured.values[: len(size), p, m]))
             window = (float(size.min()) - 15.0, float(size.max()) + 15.0)
             title = f"{shown(output)} by {shown(name)}"
             plots.append(Plot(title, "frequency [rad/s]", "[dB]", curves(p, m), log=True, y_range=window))
@@ -106,14 +116,14 @@ def phase_graph(found: Identified, measured: Spectrum, model: Response, prior: C
             share = model.deviation[:, p, m] / np.maximum(np.abs(values), 1e-300)
             half = np.degrees(np.minimum(QUANTILE_95 * share / np.sqrt(2.0), np.pi))
             told = measured.deviation[: len(f), p, m] < 0.5 * np.abs(measured.values[: len(f), p, m])
-            seen = phase + np.degrees(np.angle(measured.values[: len(f), p, m] / values))
+            seen = phase + np.degrees(np.angle(measured.values[: len(f), p, m] * values.conj()))
             curves = [
                 Curve("spectrum", f[told], seen[told], MEASURED, kind=Kind.POINTS),
                 _band("model, 95 %", f, phase - half, phase + half, SIMULATION),
                 Curve("model", f, phase, SIMULATION),
             ]
             if prior is not None:
-                beside = phase + np.degrees(np.unwrap(np.angle(prior[:, p, m] / values)))
+                beside = phase + np.degrees(np.unwrap(np.angle(prior[:, p, m] * values.conj())))
                 curves.append(Curve("prior", f, beside, PRIOR, kind=Kind.DASHED))
             title = f"{shown(output)} by {shown(name)}"
             plots.append(Plot(title, "frequency [rad/s]", "[deg]", tuple(curves), log=True))
