@@ -3,11 +3,11 @@ it cost.
 
 Run: python benchmarks/identification.py [--seeds N] [--first SEED] [--workers N] [--json] [--approaches]
 [--bench] [--peers PYTHON]. Flies the servo-rotor model with the arms' friction in closed loop, 60 s at 100
-Hz, under a PRBS on both cyclics, with gusts and the navigation's noise, once for each seed, and estimates every
-flight from perturbed start values. --approaches compares direct, projection, indirect and joint approach in
-white and in coloured gusts instead. --bench flies the nonlinear bench instead, with friction and a fifth of
-the seeds without. --peers names a Python that has sippy-unipi; its ARMAX is timed on the
-same data.
+Hz, under a PRBS on both cyclics, with gusts and the navigation's noise, once for each seed,
+and estimates every flight from perturbed start values. --approaches compares direct, projection, indirect
+and joint approach in white and in coloured gusts instead. --bench flies the nonlinear bench instead, with
+friction and a fifth of the seeds without. --peers names a Python that has sippy-unipi; its ARMAX is timed on
+the same data.
 """
 
 from __future__ import annotations

@@ -3,7 +3,8 @@ comes from. Called by `identification.py --bench`.
 
 Truth is the bench linearised at its own trim with the arms' viscous friction. The same estimate from
 noiseless data of exactly that linear model shows what the structure alone does to a coefficient (it drops the
-servo rotor's forces on u and v); what is left beyond it is the bench's: Coulomb friction, navigation, large angles.
+servo rotor's forces on u and v); what is left beyond it is the bench's: Coulomb friction, navigation,
+large angles.
 """
 
 from __future__ import annotations
