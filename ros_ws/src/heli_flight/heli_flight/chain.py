@@ -17,7 +17,6 @@ from math import sqrt
 from multiprocessing import get_context
 from pathlib import Path
 from statistics import mean
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -52,7 +51,8 @@ LEAST_FIT = 50.0
 BEFORE, AFTER = 0.5, 0.0
 """What is left out at the ends of an excitation [s]."""
 
-Tell = Callable[[str], None]
+Tell = Callable[[str, int, int], None]
+"""Called with what is being done, how many hovers are flown and of how many; zeros before the first."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def run_chain(out: Path, seeds: Sequence[int], *, plan: str, hover: str, workers
         seeds: of the hovers; the first is that of the identification flight, too.
         plan: of the identification flight. hover: of the hovers.
         workers: processes.
-        tell: what is being done and how long it will take.
+        tell: what is being done and how far it is.
 
     Raises:
         InputError: a folder that holds something, a plan without excitation, data that bear no estimate.
@@ -142,7 +142,7 @@ def run_chain(out: Path, seeds: Sequence[int], *, plan: str, hover: str, workers
         raise InputError("is not empty", allowed="a new folder", file=out, key="--out")
     first, second = load_plan(plan), load_plan(hover)
     _require_excited(first)
-    tell(f"flies {first.name}, about {first.duration:.0f} s simulated")
+    tell(f"flies {first.name}, about {first.duration:.0f} s simulated", 0, 0)
     bag = out / first.name
     end = _fly(first, seeds[0], "", bag)
     if end:
@@ -153,7 +153,7 @@ def run_chain(out: Path, seeds: Sequence[int], *, plan: str, hover: str, workers
     model.write(path)
     files: dict[str, str] = {}
     for kind in KINDS:
-        tell(f"designs {kind}")
+        tell(f"designs {kind}", 0, 0)
         file = out / f"{kind}.yaml"
         design(kind, model).file.write(file)
         files[kind] = str(file)
@@ -219,7 +219,7 @@ def identified_blocks(
     blocks: dict[str, Identified] = {}
     remarks: list[str] = []
     for block, structure, channels, fixed in PARTS:
-        tell(f"identifies {block}")
+        tell(f"identifies {block}", 0, 0)
         pieces = excited_segments(record, plan, channels)
         if not pieces:
             remarks.append(f"{block}: not excited, stays as the prior model has it")
@@ -286,10 +286,8 @@ def _hover(job: Job) -> Hover:
 
 
 def _flown(jobs: Sequence[Job], workers: int, tell: Tell) -> Iterator[Hover]:
-    begin = perf_counter()
     with ProcessPoolExecutor(min(workers, os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
         waiting = [pool.submit(_hover, job) for job in jobs]
         for done, future in enumerate(as_completed(waiting), 1):
-            left = (len(jobs) - done) * (perf_counter() - begin) / done
-            tell(f"hover {done} of {len(jobs)}, about {left:.0f} s left")
+            tell("hovers", done, len(jobs))
             yield future.result()

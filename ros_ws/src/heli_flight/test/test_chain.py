@@ -96,12 +96,12 @@ def test_a_block_without_data_stays_and_that_is_said(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(chain, "identify", only_horizontal)
     monkeypatch.setattr(chain, "excited_segments", lambda *_: [Segment(0.0, 1.0)])
-    found, blocks, remarks = identified_blocks(None, plan, lambda _: None)  # type: ignore[arg-type]
+    found, blocks, remarks = identified_blocks(None, plan, lambda *_: None)  # type: ignore[arg-type]
     assert found == ("identified", None) and list(blocks) == ["horizontal"]
     assert remarks == ("vertical: flight: input theta_t is not excited; stays as the prior model has it",)
     # a search that did not come to its end is no estimate either
     monkeypatch.setattr(chain, "identify", lambda *_: model)
-    assert "vertical: explains" in identified_blocks(None, plan, lambda _: None)[2][0]  # type: ignore[arg-type]
+    assert "vertical: explains" in identified_blocks(None, plan, lambda *_: None)[2][0]  # type: ignore[arg-type]
 
 
 def test_the_yaw_rate_with_the_shaft_held() -> None:

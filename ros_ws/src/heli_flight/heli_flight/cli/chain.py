@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 from rich.console import Console
@@ -49,20 +50,36 @@ def run(options: argparse.Namespace) -> int:
     ):
         if not good:
             raise InputError(f"{value}", allowed=allowed, key=key)
-    told = Console(stderr=True, highlight=False)
     found = run_chain(
         options.out.absolute(),
         range(options.first, last + 1),
         plan=options.plan,
         hover=options.hover,
         workers=options.workers,
-        tell=lambda text: told.print(text, soft_wrap=True, markup=False),
+        tell=Told().line,
     )
     if options.json:
         sys.stdout.write(json.dumps(found.mapping(), indent=2) + "\n")
     else:
         show(found, options.seeds)
     return 0
+
+
+class Told:
+    """Lines of progress on standard error; an estimate of what is left from the pace of the hovers so far."""
+
+    def __init__(self) -> None:
+        self._console = Console(stderr=True, highlight=False)
+        self._begin = perf_counter()
+
+    def line(self, text: str, done: int, total: int) -> None:
+        """What is being done; `done` hovers of `total`, zeros before the first."""
+        if not total:
+            self._begin = perf_counter()
+        else:
+            left = (total - done) * (perf_counter() - self._begin) / done
+            text = f"{text}: {done} of {total}, about {left:.0f} s left"
+        self._console.print(text, soft_wrap=True, markup=False)
 
 
 def show(found: Chain, seeds: int) -> None:
