@@ -2,9 +2,8 @@
 comes from. Called by `identification.py --bench`.
 
 Truth is the bench linearised at its own trim with the arms' viscous friction. The same estimate from
-noiseless data of exactly that linear model shows what the structure alone does to a coefficient (it drops the
-servo rotor's forces on u and v); what is left beyond it is the bench's: Coulomb friction, navigation,
-large angles.
+noiseless data of exactly that linear model shows what the structure and the search alone do to a coefficient;
+what is left beyond it is the bench's: dry friction, navigation, servos, large angles, not told apart here.
 """
 
 from __future__ import annotations
@@ -171,14 +170,14 @@ def bench_statistics(trials: Sequence[Flown], friction: bool, alone: dict[str, f
 
 
 def cause(name: str, bias: float, error: float, structure: float, friction: bool) -> str:
-    """What the bias comes from; `structure` is the bias of noiseless data of the linear bench."""
+    """Which part of the bias noiseless data show; `structure` is their bias."""
     if abs(bias) <= 2.0 * error:
         return "none seen"
     if abs(bias - structure) <= max(SAME * abs(bias), 2.0 * error):
-        return "structure drops bar forces on u, v"
+        return "structure"
     left = "bench beyond its linear model"
     if friction and name in ("X_u", "Y_v") and bias - structure < 0.0:
-        left = "Coulomb friction"
+        left = "friction beyond the viscous"
     return left if abs(structure) < SAME * abs(bias) else f"structure, {left}"
 
 
