@@ -26,7 +26,7 @@ from heli_bench_sim.parameters import PARAMETER_SETS
 from heli_bench_sim.trim import trim
 from heli_common.errors import EXIT_FLOWN, InputError
 from heli_control.controller_file import load_controller
-from heli_control.sampled_loop import with_friction
+from heli_control.rig_plant import with_friction
 from heli_flight.chain import excited_segments
 from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_in_process import fly_in_process

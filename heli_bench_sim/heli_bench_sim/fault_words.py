@@ -35,7 +35,7 @@ from heli_bench_sim.faults import (
     SupplySag,
 )
 from heli_common.errors import InputError
-from heli_common.quantities import Quantity, check_number
+from heli_common.quantities import Quantity, check_number, degrees_of
 from heli_common.rig_geometry import ENCODER_NAMES
 from heli_common.timing import SENSOR_PERIOD_NS
 from heli_common.topics import IMU_AXES
@@ -184,7 +184,7 @@ def _mapping(fault: Fault) -> dict[str, object]:
         case EncoderLostCounts():
             settings |= {"encoder": fault.encoder, "counts": fault.counts}
         case ImuBiasJump() if _turns(fault.axis):
-            settings |= {"axis": fault.axis, "size_deg_s": _degrees(fault.size)}
+            settings |= {"axis": fault.axis, "size_deg_s": degrees_of(fault.size)}
         case ImuBiasJump():
             settings |= {"axis": fault.axis, "size_m_s2": fault.size}
         case ServoJam():
@@ -209,10 +209,3 @@ def _nanoseconds(seconds: float) -> int:
 
 def _seconds(nanoseconds: int) -> float:
     return nanoseconds / 1e9
-
-
-def _degrees(angle: float) -> float:
-    """The degrees that were read as this angle [rad], to the last bit."""
-    exact = math.degrees(angle)
-    near = (round(exact, 9), exact, math.nextafter(exact, math.inf), math.nextafter(exact, -math.inf))
-    return next((degrees for degrees in near if math.radians(degrees) == angle), exact)

@@ -29,7 +29,7 @@ from heli_common.model_file import (
 )
 from heli_common.timing import CONTROL_PERIOD
 from heli_common.topics import SERVO_CHANNELS
-from heli_control.shipped import find_controller, require_plant, shipped
+from heli_control.shipped import find_controller, read_plant, require_plant, shipped
 
 FORMAT = "heli_controller/2"
 AXES = ("horizontal", "vertical")
@@ -157,16 +157,15 @@ class ControllerFile:
         check_format(document, FORMAT, path)
         required = ("format", "name", "kind", "plant", "sample_time_s", "operating_point", "axes")
         check_keys(document, required, ("provenance",), path)
-        plant = read_mapping(document["plant"], path, "plant")
-        check_keys(plant, ("name", "hash"), (), path, "plant.")
+        plant_name, plant_hash = read_plant(document["plant"], path)
         axes = read_mapping(document["axes"], path, "axes")
         check_keys(axes, AXES, (), path, "axes.")
         try:
             return cls(
                 name=read_word(document["name"], path, "name"),
                 kind=read_word(document["kind"], path, "kind"),
-                plant_name=read_word(plant["name"], path, "plant.name"),
-                plant_hash=read_word(plant["hash"], path, "plant.hash"),
+                plant_name=plant_name,
+                plant_hash=plant_hash,
                 operating_point=read_operating_point(document["operating_point"], path, "operating_point"),
                 horizontal=_read_axis(axes["horizontal"], path, "axes.horizontal"),
                 vertical=_read_axis(axes["vertical"], path, "axes.vertical"),

@@ -12,11 +12,10 @@ import numpy as np
 from heli_common.errors import InputError
 from heli_common.linear_model import StateSpace
 from heli_common.model_file import ModelFile
-from heli_common.timing import CONTROL_PERIOD
 from heli_control.anti_windup import observer_input, tracking_gain
 from heli_control.certified import SynthesisRefused
 from heli_control.controller_file import ControllerAxis, ControllerFile
-from heli_control.discretisation import TUSTIN, discrete, response_error
+from heli_control.discretisation import TUSTIN, discrete, discrete_anti_windup, response_error
 from heli_control.flight_plants import flight_plant
 from heli_control.realisation import Array, unnamed
 from heli_control.reduction import Reduction, reduced_within
@@ -133,9 +132,7 @@ def _anti_windup(made: AxisSynthesis, sampled: StateSpace, weights: AxisWeights)
         references = plant.output_scales[list(plant.followed)]
         return tracking_gain(sampled, plant.input_scales, np.concatenate((plant.output_scales, references)))
     into = observer_input(made.loop_shaping, plant.scaled, weights.stacked("W_1")) / plant.input_scales
-    # sampled as Tustin does an input, without its direct feedthrough
-    pencil = np.eye(len(into)) - 0.5 * CONTROL_PERIOD * made.controller.A
-    return np.asarray(np.linalg.solve(pencil, CONTROL_PERIOD * into), dtype=np.float64)
+    return discrete_anti_windup(made.controller.A, into, TUSTIN)
 
 
 def provenance_of(design: AxisDesign) -> dict[str, Any]:

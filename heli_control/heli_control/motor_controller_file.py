@@ -17,7 +17,7 @@ from heli_common.model_file import check_format, check_keys, read_mapping, read_
 from heli_common.quantities import from_mapping
 from heli_common.timing import CONTROL_PERIOD
 from heli_control.motor_control import MotorParameters
-from heli_control.shipped import find_controller, require_plant
+from heli_control.shipped import find_controller, read_plant, require_plant
 
 FORMAT = "heli_motor/1"
 _NUMBERS = tuple(entry.name for entry in fields(MotorParameters))
@@ -89,19 +89,15 @@ class MotorControllerFile:
         check_format(document, FORMAT, path)
         required = ("format", "name", "kind", "sample_time_s", *_NUMBERS)
         check_keys(document, required, ("plant", "provenance"), path)
-        plant = {"name": "", "hash": ""}
-        if "plant" in document:
-            given = read_mapping(document["plant"], path, "plant")
-            check_keys(given, ("name", "hash"), (), path, "plant.")
-            plant = {key: read_word(given[key], path, f"plant.{key}") for key in plant}
+        plant_name, plant_hash = read_plant(document["plant"], path) if "plant" in document else ("", "")
         numbers = {key: document[key] for key in _NUMBERS}
         try:
             return cls(
                 name=read_word(document["name"], path, "name"),
                 kind=read_word(document["kind"], path, "kind"),
                 parameters=from_mapping(MotorParameters, numbers, file=str(path)),
-                plant_name=plant["name"],
-                plant_hash=plant["hash"],
+                plant_name=plant_name,
+                plant_hash=plant_hash,
                 provenance=read_mapping(document.get("provenance", {}), path, "provenance"),
                 sample_time_s=document["sample_time_s"],
             )

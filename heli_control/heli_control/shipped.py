@@ -6,6 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 from heli_common.errors import InputError
+from heli_common.model_file import check_keys, read_mapping, read_word
 
 
 def shipped(kind: str) -> dict[str, Path]:
@@ -41,6 +42,21 @@ def find_controller(name_or_path: str, kind: str) -> Path:
         allowed = "a file, or one of " + ", ".join(known)
         raise InputError(f"{name_or_path!r} is no controller", allowed=allowed, key="controller")
     return known[name_or_path]
+
+
+def read_plant(value: object, path: Path) -> tuple[str, str]:
+    """Name and hash of the plant that a controller file says it is for.
+
+    Args:
+        value: what stands under `plant`.
+        path: of the file, for errors.
+
+    Raises:
+        InputError: no mapping of exactly these two texts.
+    """
+    plant = read_mapping(value, path, "plant")
+    check_keys(plant, ("name", "hash"), (), path, "plant.")
+    return read_word(plant["name"], path, "plant.name"), read_word(plant["hash"], path, "plant.hash")
 
 
 def require_plant(path: Path, name: str, given: str, wanted: str) -> None:

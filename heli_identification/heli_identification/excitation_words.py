@@ -15,12 +15,12 @@ may be left out.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import degrees, inf, nextafter, radians
+from math import radians
 
 import yaml
 
 from heli_common.errors import InputError
-from heli_common.quantities import Quantity, check_number
+from heli_common.quantities import Quantity, check_number, degrees_of
 from heli_common.timing import CONTROL_PERIOD
 from heli_identification import excitation_signals as signals
 from heli_identification.excitation import BANDED, CHANNELS, HELD, SIGNALS, TOGETHER, Excitation
@@ -110,7 +110,7 @@ def excitation_mapping(excitation: Excitation) -> dict[str, object]:
     settings: dict[str, object] = {"signal": excitation.signal}
     settings |= {"channel": excitation.channels[0]} if one else {"channels": list(excitation.channels)}
     turns = about.unit.startswith("deg")
-    settings[key] = _degrees(excitation.amplitude) if turns else excitation.amplitude
+    settings[key] = degrees_of(excitation.amplitude) if turns else excitation.amplitude
     if excitation.band is not None:
         settings["band_rad_s"] = list(excitation.band)
     if excitation.hold is not None:
@@ -234,10 +234,3 @@ class _Reader:
 
     def _error(self, key: str, problem: str, allowed: str) -> InputError:
         return InputError(problem, allowed=allowed, file=self._file, key=f"{self._place}.{key}")
-
-
-def _degrees(angle: float) -> float:
-    """The degrees that were read as this angle [rad], to the last bit."""
-    exact = degrees(angle)
-    near = (round(exact, 9), exact, nextafter(exact, inf), nextafter(exact, -inf))
-    return next((found for found in near if radians(found) == angle), exact)

@@ -86,3 +86,10 @@ def check_number(value: object, about: Quantity, *, file: str | None = None, key
     if not about.minimum <= value <= about.maximum or not math.isfinite(value):
         raise InputError(f"{value!r} is out of range", allowed=allowed, file=file, key=key)
     return float(value)
+
+
+def degrees_of(angle: float) -> float:
+    """The degrees that were read as this angle [rad], to the last bit."""
+    exact = math.degrees(angle)
+    near = (round(exact, 9), exact, math.nextafter(exact, math.inf), math.nextafter(exact, -math.inf))
+    return next((found for found in near if math.radians(found) == angle), exact)
