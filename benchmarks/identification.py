@@ -2,12 +2,12 @@
 it cost.
 
 Run: python benchmarks/identification.py [--seeds N] [--first SEED] [--workers N] [--json] [--approaches]
-[--bench] [--peers PYTHON]. Flies the servo-rotor model with the arms' friction in closed loop, 60 s at 100
-Hz, under a PRBS on both cyclics, with gusts and the navigation's noise, once for each seed,
-and estimates every flight from perturbed start values. --approaches compares direct, projection, indirect
-and joint approach in white and in coloured gusts instead. --bench flies the nonlinear bench instead, with
-friction and a fifth of the seeds without. --peers names a Python that has sippy-unipi; its ARMAX is timed on
-the same data.
+[--bench] [--peers PYTHON]. Flies the servo-rotor model with the arms' friction in closed loop at 100 Hz, with
+gusts and the navigation's noise, once for each seed, as the identification plan (F5) does: 60 s under a PRBS
+on both cyclics, 30 s under a multisine on the velocity references. Every flight is estimated from perturbed
+start values. --approaches compares direct, projection, indirect and joint approach in white and in coloured
+gusts instead. --bench flies the nonlinear bench instead, with friction and a fifth of the seeds without.
+--peers names a Python that has sippy-unipi; its ARMAX is timed on the first 60 s of the same data.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from rich.table import Table
 
 from heli_common.errors import InputError
 from heli_identification.cramer_rao import bound
+from heli_identification.excitation_signals import multisine
 from heli_identification.helicopter_structures import SERVO_ROTOR
 from heli_identification.indirect import indirect
 from heli_identification.linear_twin import Disturbance, Twin, lq_feedback
@@ -42,7 +43,8 @@ from heli_identification.records import Record
 from heli_identification.structures import Structure
 from heli_identification.uncertainty import QUANTILE_95
 
-PERIOD, SECONDS, DELAY = 0.01, 60.0, 1
+PERIOD, DELAY = 0.01, 1
+SECONDS, REFERENCE_SECONDS = 60.0, 30.0
 PEER_SCRIPT = Path(__file__).parent / "identification_peers.py"
 
 FRICTION = {"X_u": -0.0148 - 7.7 / 7.3, "Y_v": -0.0148 - 8.6 / 7.3}
@@ -58,6 +60,8 @@ START_ERROR = 0.2
 """Relative standard deviation of the start values."""
 AMPLITUDE = radians(0.8)
 """Of the PRBS on each cyclic."""
+REFERENCE, REFERENCE_BAND = 0.35, (1.0, 4.0)
+"""Multisine on both velocity references: peak [m/s], band [rad/s]."""
 APPROACHES = ("direct", "projection", "indirect", "joint")
 
 
@@ -82,10 +86,20 @@ def excitation(rng: np.random.Generator, seconds: float = SECONDS) -> np.ndarray
     return AMPLITUDE * np.repeat(signs, hold, axis=0)[:count]
 
 
-def flight(seed: int, correlation_time: float = 0.0) -> Record:
-    """The data of one seed."""
+def reference_excitation(rng: np.random.Generator) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """What a multisine on the references of u and v makes of the cyclics [rad], shape (N, 2)."""
+    count = round(REFERENCE_SECONDS / PERIOD)
+    lines = [multisine(count, REFERENCE_BAND, rng, place, 2) for place in range(2)]
+    feedback = lq_feedback(truth(), PERIOD)
+    gain = -feedback.D[:, [feedback.inputs.index(name) for name in ("u", "v")]]
+    return REFERENCE * np.column_stack(lines) @ gain.T
+
+
+def flight(seed: int, correlation_time: float = 0.0) -> list[Record]:
+    """The data of one seed: cyclics excited, then the references."""
     rng = np.random.default_rng([seed, 6])
-    return twin(correlation_time).fly(excitation(rng), rng, f"seed {seed}")
+    flown = twin(correlation_time)
+    return [flown.fly(each(rng), rng, f"seed {seed}") for each in (excitation, reference_excitation)]
 
 
 def start(seed: int) -> Structure:
@@ -96,14 +110,14 @@ def start(seed: int) -> Structure:
     return structure.with_values(dict(zip(structure.free_names, moved.tolist(), strict=True)))
 
 
-def estimated(approach: str, seed: int, record: Record) -> Estimate:
+def estimated(approach: str, seed: int, records: list[Record]) -> Estimate:
     """An estimate by one approach."""
     if approach == "direct":
-        return prediction_error(start(seed), [record])
+        return prediction_error(start(seed), records)
     if approach == "projection":
-        return projection(start(seed), [record])
+        return projection(start(seed), records)
     feedback = lq_feedback(truth(), PERIOD)
-    return indirect(start(seed), [record], feedback, delay=DELAY, joint=approach == "joint")
+    return indirect(start(seed), records, feedback, delay=DELAY, joint=approach == "joint")
 
 
 @dataclass(frozen=True)
@@ -122,16 +136,16 @@ class Trial:
 def trial(job: tuple[str, int, float]) -> Trial:
     """Fly and estimate one seed."""
     approach, seed, correlation_time = job
-    record = flight(seed, correlation_time)
+    records = flight(seed, correlation_time)
     begin = process_time()
     try:
-        found = estimated(approach, seed, record)
+        found = estimated(approach, seed, records)
     except InputError as error:
         return Trial(seed, process_time() - begin, None, failure=error.problem)
     used = process_time() - begin
     if not found.converged:
         return Trial(seed, used, None, failure="did not converge")
-    bounds = np.sqrt(np.diag(bound(twin(correlation_time), record)))
+    bounds = np.sqrt(np.diag(bound(twin(correlation_time), records)))
     return Trial(
         seed,
         used,
@@ -190,7 +204,7 @@ def statistics(trials: list[Trial]) -> dict[str, Any]:
 
 def speed() -> float:
     """Best of five estimates of 60 s after compilation [CPU s], on one core."""
-    record = flight(1)
+    record = flight(1)[0]
     times = []
     for _ in range(5):
         begin = process_time()
@@ -201,7 +215,7 @@ def speed() -> float:
 
 def peer(python: str) -> dict[str, Any]:
     """What SIPPY's ARMAX takes and fits on the data of seed 1, in an environment of its own."""
-    record = flight(1)
+    record = flight(1)[0]
     with TemporaryDirectory() as folder:
         path = Path(folder) / "record.npz"
         np.savez(path, u=record.u, y=record.y, period=record.period)

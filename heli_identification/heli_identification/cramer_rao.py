@@ -7,6 +7,7 @@ with the length of the flight, so standard errors fall with its square root.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,24 +65,24 @@ def predicted_errors(twin: Twin, excitation: Array, rng: np.random.Generator) ->
     record = twin.fly(excitation, rng, "prediction")
     structure = twin.structure
     index = structure.index(structure.free_names)
-    covariance = bound(twin, record)
+    covariance = bound(twin, [record])
     return Prediction(
         structure.free_names, structure.values[index], np.sqrt(np.diag(covariance)), record.duration
     )
 
 
-def bound(twin: Twin, record: Record) -> Array:
+def bound(twin: Twin, records: Sequence[Record]) -> Array:
     """Cramer-Rao bound on the covariance of the free coefficients at the truth, shape (r, r).
 
     Noise variances, initial state and offsets count as unknown, too.
 
     Args:
         twin: the truth.
-        record: flown by it.
+        records: flown by it, each with an initial state and offsets of its own.
     """
     structure = twin.structure
     parametrisation = Parametrisation(structure, Noise.KALMAN, twin.period, Hold.ZERO)
-    criterion = Criterion(parametrisation, [record])
+    criterion = Criterion(parametrisation, records)
     free, disturbed = len(parametrisation.free), parametrisation.disturbed
     vector = np.zeros(criterion.size)
     vector[:free] = structure.values[parametrisation.free] / criterion.scales[:free]

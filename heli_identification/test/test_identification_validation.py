@@ -90,7 +90,7 @@ def test_bound_by_hand() -> None:
     record = twin.fly(rng.standard_normal((2000, 1)), rng)
     clean = open_loop(0.0).fly(record.u, rng).y[:, 0] / 3.0
     least = 0.1 / math.sqrt(clean @ clean)
-    found = math.sqrt(bound(twin, record)[0, 0])
+    found = math.sqrt(bound(twin, [record])[0, 0])
     assert least < found < 1.1 * least
 
 
