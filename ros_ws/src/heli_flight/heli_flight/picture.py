@@ -34,6 +34,8 @@ STYLE = {
     "xtick.color": "#4b5563",
     "ytick.color": "#4b5563",
     "path.simplify": True,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "heli_flight",
 }
 """Of matplotlib, for all pictures of a report."""
 
@@ -47,8 +49,25 @@ def colour(curve: Curve) -> str:
     )
 
 
-def draw_png(figure: Figure, dpi: int = 110) -> bytes:
-    """The PNG file of a figure."""
+def save_png(canvas: Canvas, dpi: int = 110) -> bytes:
+    """The PNG file of a drawn canvas; the same bytes every time."""
+    return _saved(canvas, "png", dpi=dpi, metadata={"Software": None})
+
+
+def save_svg(canvas: Canvas) -> bytes:
+    """The SVG file of a drawn canvas; the same bytes every time."""
+    return _saved(canvas, "svg", metadata={"Creator": None, "Date": None})
+
+
+def _saved(canvas: Canvas, kind: str, **options: Any) -> bytes:
+    stream = io.BytesIO()
+    with mpl.rc_context(STYLE):
+        canvas.savefig(stream, format=kind, **options)
+    return stream.getvalue()
+
+
+def figure_canvas(figure: Figure) -> Canvas:
+    """A figure drawn, to be saved as PNG or SVG."""
     with mpl.rc_context(STYLE):
         rows = len(figure.panels)
         size = (6.2, 5.6) if figure.plane else (10.0, 0.9 + 1.75 * rows)
@@ -80,9 +99,7 @@ def draw_png(figure: Figure, dpi: int = 110) -> bytes:
             axes[0].plot(0.0, 0.0, "+", color=ROLE_COLOURS[REFERENCE], markersize=12, label="reference")
         _legend(canvas, axes)
         canvas.suptitle(figure.title, x=0.01, ha="left", fontsize=12, fontweight="bold", color="#111827")
-        stream = io.BytesIO()
-        canvas.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
-    return stream.getvalue()
+    return canvas
 
 
 def _draw(axis: Any, curve: Curve, plane: bool) -> None:

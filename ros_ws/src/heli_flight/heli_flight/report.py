@@ -10,21 +10,18 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from plotly.offline import get_plotlyjs
 
 from heli_common.errors import InputError
-from heli_common.files import write_atomically
 from heli_common.flight_state import FlightState
 from heli_flight.figures import flight_figures
 from heli_flight.flight_hash import TopicCount, bag_hash, count_check
 from heli_flight.flight_record import FlightRecord
 from heli_flight.interactive import plotly_json
 from heli_flight.metrics import flight_metrics
-from heli_flight.picture import data_uri, draw_png
+from heli_flight.page import live, render_page, still, write_page
+from heli_flight.picture import figure_canvas, save_png
 from heli_flight.sensor_figures import sensor_figures
 
-TEMPLATES = Path(__file__).parent / "templates"
 NOTHING = "–"
 
 _COUNTED = ("counts", "losses")
@@ -74,33 +71,25 @@ def write_report(folders: Sequence[Path], out: Path, static: bool = False) -> Re
         {"name": name, "provenance": provenance(record, count), "metrics": flight_metrics(record)}
         for name, record, count in zip(names, records, counts, strict=True)
     ]
-    drawn: list[dict[str, str]] = []
+    drawn: list[dict[str, Any]] = []
     pictures: dict[Path, bytes] = {}
     for figure in (*flight_figures(records, names), *sensor_figures(records, names)):
-        png = draw_png(figure)
+        png = save_png(figure_canvas(figure))
         pictures[page.parent / f"{figure.key}.png"] = png
-        about = {"key": figure.key, "title": figure.title, "caption": figure.caption}
-        if static:
-            drawn.append({**about, "picture": data_uri(png)})
-        else:
-            drawn.append({**about, "plot": plotly_json(figure).replace("<", "\\u003c")})
-    template = page_environment().get_template("report.html")
-    html = template.render(
-        title=_title(summaries),
+        timed = not figure.plane
+        drawn.append(still(figure, png) if static else live(figure, plotly_json(figure), timed))
+    html = render_page(
+        "report.html",
+        kind="flight report",
+        heading=_title(summaries),
+        static=static,
         about=summaries[0]["provenance"]["about"] if len(records) == 1 else "",
         flights=[_flight(*each) for each in zip(summaries, records, counts, strict=True)],
         hover=_hover_rows(summaries),
         steps=_step_rows(summaries),
         figures=drawn,
-        script="" if static else get_plotlyjs(),
     )
-    try:
-        write_atomically(page, html)
-        write_atomically(page.parent / "metrics.json", json.dumps(summaries, indent=2) + "\n")
-        for path, png in pictures.items():
-            write_atomically(path, png)
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", file=error.filename or page) from None
+    write_page(page, html, page.parent / "metrics.json", summaries, pictures)
     return Report(page, tuple(pictures), summaries)
 
 
@@ -155,17 +144,6 @@ def _title(summaries: Sequence[Mapping[str, Any]]) -> str:
     plans = {summary["provenance"]["plan"] or summary["name"] for summary in summaries}
     flown = ", ".join(sorted(plans))
     return flown if len(summaries) == 1 else f"{flown}: {len(summaries)} flights"
-
-
-def page_environment() -> Environment:
-    """Where the pages' templates come from; a name that is not given is an error."""
-    return Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
 
 
 def _number(value: float | None, factor: float = 1.0, digits: int = 2) -> str:
