@@ -12,8 +12,9 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from plotly.subplots import make_subplots
 
-from heli_flight.graphs import Curve, Graph, Kind, Plot
-from heli_flight.picture import FLIGHT_COLOURS, STYLE, save_png
+from heli_flight.figures import REFERENCE
+from heli_flight.graphs import GREY, Curve, Graph, Kind, Plot
+from heli_flight.picture import FLIGHT_COLOURS, ROLE_COLOURS, STYLE, save_png
 
 _GRID = "rgba(128,128,128,0.22)"
 _LIMIT = "#dc2626"
@@ -53,6 +54,8 @@ def plotly_graph(graph: Graph) -> str:
                 line = {"color": _LIMIT, "width": 1, "dash": "dot"}
                 drawn.add_hline(y=limit, row=row, col=column, line=line)
             _axes(drawn, plot, row, column)
+    if graph.timed:
+        drawn.update_xaxes(matches="x")
     drawn.update_yaxes(gridcolor=_GRID, zeroline=False, automargin=True)
     drawn.update_annotations(font_size=13)
     drawn.update_layout(
@@ -241,4 +244,4 @@ def _decades(low: float, high: float) -> list[float]:
 
 
 def _colour(number: int) -> str:
-    return FLIGHT_COLOURS[number % len(FLIGHT_COLOURS)]
+    return ROLE_COLOURS[REFERENCE] if number == GREY else FLIGHT_COLOURS[number % len(FLIGHT_COLOURS)]

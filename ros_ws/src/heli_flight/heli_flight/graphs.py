@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+GREY = -1
+"""Number of the colour of a reference or a claimed band, beside those of curves from 0 on."""
+
+
 class Kind(Enum):
     """How a curve is drawn."""
 
@@ -82,6 +86,7 @@ class Graph:
         title, caption: for people.
         rows: of plots, all of one length.
         row_height: of the page's plot [pixels].
+        timed: whether every x is the time of flight [s].
     """
 
     key: str
@@ -89,3 +94,4 @@ class Graph:
     caption: str
     rows: tuple[tuple[Plot, ...], ...]
     row_height: int = 220
+    timed: bool = False
