@@ -55,7 +55,7 @@ def plotly_graph(graph: Graph) -> str:
                 drawn.add_hline(y=limit, row=row, col=column, line=line)
             _axes(drawn, plot, row, column)
     if graph.timed:
-        drawn.update_xaxes(matches="x")
+        drawn.for_each_xaxis(lambda axis: axis.update(matches=None if axis.plotly_name == "xaxis" else "x"))
     drawn.update_yaxes(gridcolor=_GRID, zeroline=False, automargin=True)
     drawn.update_annotations(font_size=13)
     drawn.update_layout(
@@ -232,6 +232,8 @@ def _ends(plot: Plot) -> tuple[float, float]:
     """Of a logarithmic axis."""
     if plot.x_range is not None:
         return plot.x_range
+    if not plot.curves:
+        return 0.1, 10.0
     return min(float(c.x.min()) for c in plot.curves), max(float(c.x.max()) for c in plot.curves)
 
 

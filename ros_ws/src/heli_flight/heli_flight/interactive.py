@@ -55,27 +55,38 @@ def _over_time(figure: Figure) -> Any:
     drawn.update_xaxes(title_text="time [s]", row=rows, col=1)
     drawn.update_xaxes(gridcolor=_GRID, zeroline=False, showline=False)
     drawn.update_yaxes(gridcolor=_GRID, zeroline=False, automargin=True)
-    for number, band in enumerate(figure.bands):
-        drawn.add_vrect(
-            x0=band.start,
-            x1=band.end,
-            line_width=0,
-            layer="below",
-            fillcolor="rgba(128,128,128,0.09)" if number % 2 == 0 else "rgba(128,128,128,0.0)",
-        )
-        if band.end - band.start > 0.03 * (figure.bands[-1].end - figure.bands[0].start):
-            drawn.add_annotation(
-                x=band.start,
-                y=1.0,
-                xref="x",
-                yref="paper",
-                xanchor="left",
-                yanchor="bottom",
-                text=band.label,
-                showarrow=False,
-                font={"size": 11},
-                opacity=0.7,
-            )
+    shapes = [
+        {
+            "type": "rect",
+            "xref": "x",
+            "yref": "paper",
+            "y0": 0.0,
+            "y1": 1.0,
+            "layer": "below",
+            "x0": band.start,
+            "x1": band.end,
+            "fillcolor": "rgba(128,128,128,0.09)",
+            "line": {"width": 0},
+        }
+        for band in figure.bands[::2]
+    ]
+    words = [
+        {
+            "x": band.start,
+            "xref": "x",
+            "xanchor": "left",
+            "y": 1.0,
+            "yref": "paper",
+            "yanchor": "bottom",
+            "text": band.label,
+            "showarrow": False,
+            "font": {"size": 11},
+            "opacity": 0.7,
+        }
+        for band in figure.bands
+        if band.end - band.start > 0.03 * (figure.bands[-1].end - figure.bands[0].start)
+    ]
+    drawn.update_layout(shapes=[*drawn.layout.shapes, *shapes], annotations=words)
     drawn.update_layout(height=70 + PANEL_HEIGHT * rows, margin={"l": 70, "r": 16, "t": 56, "b": 46})
     return drawn
 

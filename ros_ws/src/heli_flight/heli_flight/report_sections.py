@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from heli_flight.estimation_figures import estimation_graph
@@ -65,8 +65,14 @@ class Section:
     build: Callable[[Flights], Content] = field(repr=False)
 
 
-def _tables(*tables: Table) -> tuple[Table, ...]:
-    return tuple(table for table in tables if table.rows)
+def _tables(flights: Flights, *tables: Table) -> tuple[Table, ...]:
+    """Those with rows; a single flight needs no column of names."""
+    found = tuple(table for table in tables if table.rows)
+    if len(flights.records) > 1:
+        return found
+    return tuple(
+        replace(table, header=table.header[1:], rows=tuple(row[1:] for row in table.rows)) for table in found
+    )
 
 
 def _figures(*figures: Figure | Graph | None) -> tuple[Figure | Graph, ...]:
@@ -83,17 +89,17 @@ def _one(key: str) -> Callable[[Flights], Content]:
 
 def _steps(flights: Flights) -> Content:
     graph = step_graph(flights.records, flights.names)
-    return Content(_tables(step_table(flights.summaries)), _figures(graph))
+    return Content(_tables(flights, step_table(flights.summaries)), _figures(graph))
 
 
 def _hover(flights: Flights) -> Content:
     graph = hover_graph(flights.records, flights.names)
-    return Content(_tables(hover_table(flights.summaries)), _figures(graph))
+    return Content(_tables(flights, hover_table(flights.summaries)), _figures(graph))
 
 
 def _commands(flights: Flights) -> Content:
     figure = flight_figure("commands", flights.records, flights.names)
-    return Content(_tables(command_table(flights.summaries)), _figures(figure))
+    return Content(_tables(flights, command_table(flights.summaries)), _figures(figure))
 
 
 def _spectra(flights: Flights) -> Content:
@@ -104,16 +110,17 @@ def _wind(flights: Flights) -> Content:
     table = wind_table(flights.summaries)
     if not table.rows and all(len(record.series["wind"].stamps) for record in flights.records):
         return Content(note="The air stood still.")
-    return Content(_tables(table), _figures(air_figure(flights.records, flights.names)))
+    return Content(_tables(flights, table), _figures(air_figure(flights.records, flights.names)))
 
 
 def _estimation(flights: Flights) -> Content:
     graph, imu = (draw(flights.records, flights.names) for draw in (estimation_graph, imu_figure))
-    return Content(_tables(estimation_table(flights.summaries)), _figures(graph, imu))
+    return Content(_tables(flights, estimation_table(flights.summaries)), _figures(graph, imu))
 
 
 def _sampling(flights: Flights) -> Content:
-    return Content(_tables(*(sampling_table(summary) for summary in flights.summaries)))
+    tables = [sampling_table(summary) for summary in flights.summaries]
+    return Content(tuple(tables if len(tables) > 1 else [replace(tables[0], title="")]))
 
 
 def _differences(flights: Flights) -> Content:

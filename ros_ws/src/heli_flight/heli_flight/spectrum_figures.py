@@ -95,7 +95,7 @@ def spectrum_graph(records: Sequence[FlightRecord], names: Sequence[str]) -> Gra
         return None
     caption = (
         f"Amplitude spectral density by Welch's method, stretches of {STRETCH:g} s at most, in the "
-        "longest hover (without one in the longest free flight). Position and velocity hold the estimate beside the truth; "
+        "longest hover (without one in the longest free flight). Motion: the estimate beside the truth; "
         "the IMU is as measured, body axes FLU."
     )
     return Graph("spectra", "Spectra", caption, tuple(rows), row_height=200)

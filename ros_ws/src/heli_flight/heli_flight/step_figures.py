@@ -65,8 +65,8 @@ def step_graph(records: Sequence[FlightRecord], names: Sequence[str]) -> Graph |
         for key, (title, unit) in titles.items()
     ]
     caption = (
-        "Every step turned to the same side, from the value at its moment on. Off the step: distance from "
-        "the line along which the reference moved."
+        "Every step turned to the same side; pitch, roll and command from before it on. Off the step: "
+        "distance from the line along which the reference moved."
     )
     return Graph("steps", "Step responses", caption, (tuple(plots[:2]), tuple(plots[2:])), row_height=240)
 
@@ -89,6 +89,8 @@ def _add(
     pose = np.column_stack((truth.position, np.unwrap(truth.attitude[:, 0])))[rows]
     off = pose - leg.reference
     off[:, 3] = (off[:, 3] + np.pi) % (2.0 * np.pi) - np.pi
+    if not len(time):
+        return
     columns["response"].append(Curve(label, time, 100.0 * (1.0 + off[:, axis] / amplitude), colour))
     others = [column for column in range(3) if column != axis]
     columns["cross"].append(Curve(label, time, 100.0 * np.linalg.norm(off[:, others], axis=1), colour))
@@ -114,5 +116,6 @@ def _window(leg: Leg, stamps: Stamps) -> tuple[NDArray[np.bool_], Array]:
 
 
 def _at_step(time: Array, values: Array) -> float:
-    """The value at the moment of the step."""
-    return float(values[int(np.argmin(np.abs(time)))]) if len(values) else 0.0
+    """The last value before the step, to which nothing can have answered yet."""
+    before = values[time < 0.0]
+    return float(before[-1]) if len(before) else float(values[0])
