@@ -1,6 +1,6 @@
 """How long the report of a 10 minute flight takes, section by section, and how large its page is.
 
-Run: python benchmarks/report.py [--bag BAG] [--out DIR] [--json]. Without a bag it flies one in process first:
+Run: python benchmarks/report.py [--bag BAG] [--out DIR] [--json]. Without a bag it flies one in process:
 hover, four steps, wind of 3 m/s. The table gives wall time and processor time of every part, measured once.
 """
 

@@ -2,8 +2,8 @@
 
     python tests/page_check.py PAGE.html [--picture FILE.png]
 
-prints what is wrong, a line each, and exits with 1; with 0 if nothing is. The browser is Debian's Chromium
-(`chromium` in the path, or what HELI_BROWSER names), without a screen and with a profile of its own. It cannot
+prints what is wrong, a line each, and exits with 1; with 0 if nothing is. The browser is Chromium (`chromium`
+in the path, or what HELI_BROWSER names), without a screen and with a profile of its own. It cannot
 resolve any host name; what it tried to reach stands in its own log of network events all the same.
 """
 
@@ -22,8 +22,8 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-TALL = 16_000
-"""Height of the window: figures are drawn when they come near it. A browser draws nothing in a taller one."""
+TALL = 10_000
+"""Height of the window [pixels], so that a picture shows the whole page."""
 
 _CONSOLE = re.compile(r":CONSOLE[:(]\d+\)?\] ?(.*)")
 _OWN = ("file:", "data:", "blob:", "about:", "chrome:", "chrome-extension:", "devtools:")
@@ -65,7 +65,7 @@ def browser() -> str:
     found = shutil.which(wanted) if wanted else next(filter(None, map(shutil.which, NAMES)), None)
     if found is None:
         raise FileNotFoundError(
-            f"no browser found ({wanted or ', '.join(NAMES)}): apt-get install chromium, or name one in HELI_BROWSER"
+            f"no browser ({wanted or ', '.join(NAMES)}): apt-get install chromium, or set HELI_BROWSER"
         )
     return found
 
@@ -121,7 +121,7 @@ def visit(page: Path, picture: Path | None = None, *, width: int = 1400, dark: b
 def _requests(text: str) -> tuple[str, ...]:
     """Addresses that the page asks for, from a log of network events.
 
-    What the browser asks for itself (the time, updates) has no page as its initiator; it is no business of ours.
+    What the browser asks for itself (the time, updates) has no page as its initiator.
     """
     try:
         log = json.loads(text)
@@ -135,7 +135,7 @@ def _requests(text: str) -> tuple[str, ...]:
 
 
 class _Figures(HTMLParser):
-    """Which elements of class `plot` hold a drawing of more than the frame, and which pictures have content."""
+    """Which elements of class `plot` hold a line or a point, and which pictures have content."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -33,7 +33,7 @@ def canonical_messages(layout: Layout, messages: Sequence[bytes]) -> list[bytes]
     Raises:
         ValueError: names, frames or lengths differ from the agreed ones.
     """
-    if set(map(len, messages)) - {layout.size}:
+    if any(len(data) != layout.size for data in messages):
         return [layout.canonical(data) for data in messages]
     table = np.frombuffer(b"".join(messages), dtype=np.uint8).reshape(len(messages), layout.size)
     fixed = _fixed_bytes(layout)

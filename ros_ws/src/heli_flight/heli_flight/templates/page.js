@@ -24,21 +24,23 @@
         .finally(() => { following = false; });
     });
   };
+  const waiting = new Set(document.querySelectorAll(".plot"));
   const draw = (plot) => {
+    if (!waiting.delete(plot)) return Promise.resolve();
     const { data, layout } = JSON.parse(document.getElementById(plot.id.replace("plot-", "data-")).textContent);
     const timed = "time" in plot.dataset;
     if (timed && shownTime) layout.xaxis = { ...layout.xaxis, range: shownTime, autorange: false };
     plot.style.minHeight = "";
     layout.font = { ...layout.font, color: css("--ink") };
     layout.hoverlabel = { bgcolor: css("--card"), bordercolor: css("--line"), font: { color: css("--ink") } };
-    Plotly.newPlot(plot, data, layout, { responsive: true, displaylogo: false }).then(() => {
+    return Plotly.newPlot(plot, data, layout, { responsive: true, displaylogo: false }).then(() => {
       drawn.push(plot);
       if (timed) follow(plot);
     });
   };
 
-  // Two dozen plots at once keep the page from answering: each is drawn shortly before it is seen.
-  const plots = document.querySelectorAll(".plot");
+  // Two dozen plots at once keep the page from answering: each is drawn shortly before it is seen, the rest one
+  // by one when there is time.
   const near = new IntersectionObserver((entries) => {
     for (const entry of entries) {
       if (!entry.isIntersecting) continue;
@@ -46,10 +48,13 @@
       draw(entry.target);
     }
   }, { rootMargin: "1200px" });
-  for (const plot of plots) near.observe(plot);
-  addEventListener("beforeprint", () => {
-    for (const plot of plots) if (!plot.children.length) { near.unobserve(plot); draw(plot); }
-  });
+  for (const plot of waiting) near.observe(plot);
+  const rest = () => {
+    const [next] = waiting;
+    if (next) draw(next).finally(() => setTimeout(rest, 60));
+  };
+  addEventListener("load", () => setTimeout(rest, 500));
+  addEventListener("beforeprint", () => { for (const plot of [...waiting]) draw(plot); });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     for (const plot of drawn) Plotly.relayout(plot, theme());
   });
