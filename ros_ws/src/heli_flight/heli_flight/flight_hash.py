@@ -114,7 +114,8 @@ def hash_messages(messages: Mapping[str, Sequence[bytes]]) -> str:
         InputError: a message is not of its topic's layout.
     """
     parts: list[bytes] = []
-    stamps, ranks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
+    stamps: list[NDArray[np.int64]] = [np.zeros(0, np.int64)]
+    ranks: list[NDArray[np.int64]] = [np.zeros(0, np.int64)]
     for rank, topic in enumerate(sorted(DATA_TOPICS)):
         if not messages.get(topic):
             continue

@@ -41,7 +41,7 @@ def plotly_graph(graph: Graph) -> str:
         rows=rows,
         cols=columns,
         subplot_titles=[plot.title for row in graph.rows for plot in row],
-        horizontal_spacing=0.16 / columns if columns > 1 else 0.0,
+        horizontal_spacing=(0.24 if graph.rows[0][0].y_log else 0.16) / columns if columns > 1 else 0.0,
         vertical_spacing=_BETWEEN / inside if rows > 1 else 0.0,
     )
     shown: set[str] = set()

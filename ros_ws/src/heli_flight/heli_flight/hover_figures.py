@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,23 +34,26 @@ def hover_graph(records: Sequence[FlightRecord], names: Sequence[str]) -> Graph 
     clouds = [hover_deviation(record) for record in records]
     if not any(map(len, clouds)):
         return None
-    widest = 1.08 * max(float(np.max(np.abs(cloud))) for cloud in clouds if len(cloud))
-    window = (-widest, widest)
     plots = []
+    widest = 1e-3
     for title, across, up, x_label, y_label in _PLANES:
         curves: list[Curve] = []
         for flight, (cloud, name) in enumerate(zip(clouds, names, strict=True)):
             if len(cloud):
                 label = name if len(records) > 1 else "true position"
                 flat = cloud[:, (across, up)]
+                widest = max(widest, float(np.max(np.abs(flat))))
                 dots = flat[:: -(-len(flat) // MOST_DOTS)]
                 curves.append(Curve(label, dots[:, 0], dots[:, 1], flight, Kind.CLOUD))
                 if len(flat) > 2:
                     around = ellipse(flat)
+                    widest = max(widest, float(np.max(np.abs(around))))
                     inside = "95 %" if len(records) == 1 else f"{name}, 95 %"
                     curves.append(Curve(inside, around[:, 0], around[:, 1], flight))
         curves.append(Curve("reference", np.zeros(1), np.zeros(1), GREY, Kind.CROSSES))
-        plots.append(Plot(title, x_label, y_label, tuple(curves), x_range=window, y_range=window, equal=True))
+        plots.append(Plot(title, x_label, y_label, tuple(curves), equal=True))
+    window = (-1.08 * widest, 1.08 * widest)
+    plots = [replace(plot, x_range=window, y_range=window) for plot in plots]
     caption = (
         "True position less reference while hovering, without the end of the climb. The ellipse would hold "
         "95 % of a normal distribution of the same mean and covariance. All scales are the same."

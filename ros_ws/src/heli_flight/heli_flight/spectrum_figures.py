@@ -16,7 +16,7 @@ from heli_flight.graphs import Curve, Graph, Kind, Plot
 from heli_flight.metrics import reference_legs
 
 STRETCH = 20.48
-"""Longest stretch of a spectrum [s]; shorter flights take what they have."""
+"""Longest stretch of a spectrum [s]; shorter flights take half of what they have."""
 
 SHORTEST = 2.0
 """A flight shorter than this has no spectrum [s]."""
@@ -60,7 +60,7 @@ def _imu(title: str, unit: str, factor: float, field: str) -> Signal:
 def _column(group: str, column: int) -> Callable[[Motion], Array]:
     def found(motion: Motion) -> Array:
         values: Array = getattr(motion, group)[:, column]
-        return np.unwrap(values) if group == "attitude" else values
+        return np.asarray(np.unwrap(values), dtype=np.float64) if group == "attitude" else values
 
     return found
 
@@ -145,7 +145,7 @@ def amplitude_spectrum(stamps: Stamps, values: Array) -> tuple[Array, Array] | N
     period = int(np.median(np.diff(stamps)))
     grid = np.arange(stamps[0], stamps[-1] + 1, period)
     even = np.interp(grid, stamps, values)
-    length = min(len(even), round(STRETCH * 1e9 / period))
+    length = min(len(even) // 2, round(STRETCH * 1e9 / period))
     frequencies, power = welch(even, 1e9 / period, nperseg=length, detrend="linear")
     shown = (frequencies > 1.5 * frequencies[1]) & (power > 0.0)
     if not shown.any():
