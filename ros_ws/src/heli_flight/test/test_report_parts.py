@@ -16,8 +16,10 @@ from heli_flight.estimation_error import estimation_errors
 from heli_flight.flight_hash import count_check
 from heli_flight.flight_record import FlightRecord
 from heli_flight.flight_statistics import SERVO_LIMITS, controlled
+from heli_flight.graph_pictures import graph_canvas
 from heli_flight.hover_figures import ellipse, hover_deviation, hover_graph
 from heli_flight.metrics import flight_metrics
+from heli_flight.picture import save_png, save_svg
 from heli_flight.plan import load_plan
 from heli_flight.report import summarized
 from heli_flight.report_tables import difference_table
@@ -93,6 +95,8 @@ def test_hover_planes_have_the_same_scale_and_hold_all(record: FlightRecord) -> 
     assert len({plot.x_range for plot in plots} | {plot.y_range for plot in plots}) == 1
     assert plots[0].x_range is not None
     assert np.abs(hover_deviation(record)).max() < plots[0].x_range[1]
+    for save in (save_png, save_svg):
+        assert save(graph_canvas(graph)) == save(graph_canvas(graph))
 
 
 def test_steps_go_from_nothing_to_all(record: FlightRecord) -> None:
