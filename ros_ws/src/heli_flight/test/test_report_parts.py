@@ -142,8 +142,9 @@ def test_sampling_names_the_hole(tmp_path: Path) -> None:
     record = FlightRecord.load(tmp_path / "flight")
     (summary,) = summarized([record], [count_check(record.bag)]).summaries
     topics = {topic["topic"]: topic for topic in summary["sampling"]}
-    assert topics["rotor"]["lost"] == 4 and topics["rotor"]["first_gap_s"] == pytest.approx(4.01)
-    assert topics["rotor"]["longest_pause_s"] == pytest.approx(0.05)
+    # 3.99 s is the last tick that is whole
+    assert topics["rotor"]["lost"] == 5 and topics["rotor"]["first_gap_s"] == pytest.approx(4.0)
+    assert topics["rotor"]["longest_pause_s"] == pytest.approx(0.06)
     assert topics["imu"]["rate_hz"] == pytest.approx(400.0) == topics["imu"]["nominal_rate_hz"]
 
 
