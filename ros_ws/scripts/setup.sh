@@ -2,7 +2,7 @@
 # Make the project's own Python environment, or find within milliseconds that it is complete.
 #
 #   setup.sh          what flying needs     (requirements.txt)
-#   setup.sh --dev    and what testing needs (requirements-dev.txt)
+#   setup.sh --dev    and what testing needs (requirements-dev.txt; a browser, if apt-get may install it)
 #
 # It lands in .venv in the repository, or where HELI_VENV says. HELI_PYTHON names another Python to build it
 # with. pip's own variables (PIP_INDEX_URL, ...) are respected. Exit code 2: no usable Python.
@@ -131,6 +131,20 @@ compile() {
     echo "kernels $key" >>"$stamp"
 }
 
+# The tests open the reports in Chromium, or in what HELI_BROWSER names.
+browser() {
+    local name
+    for name in "${HELI_BROWSER:-chromium}" chromium-browser google-chrome google-chrome-stable; do
+        if command -v "$name" >/dev/null; then return; fi
+    done
+    if ((EUID == 0)) && command -v apt-get >/dev/null; then
+        say "installing chromium"
+        if apt-get -qq update && DEBIAN_FRONTEND=noninteractive apt-get -qq install chromium; then return; fi
+    fi >&2
+    say "no browser: the tests that open reports in one will fail (apt install chromium)"
+}
+
+if [[ $kind == dev ]]; then browser; fi
 if installed && compiled; then exit; fi
 
 if [[ -n $(ls -A -- "$HELI_VENV" 2>/dev/null) && ! -f $HELI_VENV/pyvenv.cfg && ! -f $HELI_VENV/.heli_lock ]]; then

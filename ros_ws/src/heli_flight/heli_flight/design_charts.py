@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from heli_flight import graphs
+from heli_flight.graphs import Curve, Graph, Kind
+
 Array = NDArray[np.float64]
 
 GREEK = {"theta": "θ", "phi": "φ", "psi": "ψ", "Omega": "Ω"}
@@ -87,3 +90,42 @@ class Chart:
 def decibel(magnitude: Array) -> Array:
     """20 log10 of a magnitude; zero is -400 dB."""
     return np.asarray(20.0 * np.log10(np.maximum(magnitude, 1e-20)), dtype=np.float64)
+
+
+def chart_graph(chart: Chart) -> Graph:
+    """A chart as page and pictures draw it."""
+    last = len(chart.rows) - 1
+    rows = tuple(
+        tuple(_plot(chart, plot, row == last, column == 0) for column, plot in enumerate(plots))
+        for row, plots in enumerate(chart.rows)
+    )
+    return Graph(chart.key, chart.title, chart.caption, rows)
+
+
+def _plot(chart: Chart, plot: Plot, lowest: bool, leftmost: bool) -> graphs.Plot:
+    """The plot with its traces, cut off well below its range, and printed values on top."""
+    low = plot.range[0] - 60.0 if plot.range else -np.inf
+    curves = [
+        Curve(
+            trace.label,
+            chart.x,
+            np.maximum(trace.y, low),
+            trace.colour,
+            Kind.DASHED if trace.dashed else Kind.LINE,
+        )
+        for trace in plot.traces
+    ]
+    curves += [
+        Curve(marker.label, np.array([marker.x]), np.array([marker.y]), marker.colour, Kind.DIAMONDS)
+        for marker in plot.markers
+    ]
+    return graphs.Plot(
+        plot.title,
+        chart.x_label if lowest else "",
+        f"[{plot.unit}]" if leftmost else "",
+        tuple(curves),
+        plot.limits,
+        log=True,
+        x_range=(float(chart.x[0]), float(chart.x[-1])),
+        y_range=plot.range,
+    )

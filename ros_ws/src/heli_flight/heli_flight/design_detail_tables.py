@@ -6,18 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from heli_control.published import BOUND, PEAK
-from heli_flight.design_tables import (
-    BAD,
-    GOOD,
-    NOTHING,
-    SOFT,
-    TEXT,
-    Cell,
-    Metrics,
-    Table,
-    number,
-    significant,
-)
+from heli_flight.design_tables import Metrics
+from heli_flight.page_tables import BAD, GOOD, NOTHING, SOFT, TEXT, Cell, Table, number, significant
 
 
 def published_table(rows: Sequence[Metrics]) -> Table:

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import yaml
-from plotly.offline import get_plotlyjs
 
 from heli_common.errors import InputError
-from heli_common.files import write_atomically
 from heli_common.model_file import ModelFile
 from heli_control.controller_designs import ABOUT, DESIGNS, LQ, MOTOR, DesignSummary
 from heli_control.flight_design import software
 from heli_control.flight_plants import FLIGHT_AXES
 from heli_control.schemes import AxisWeights
 from heli_control.weights_file import read_weights
-from heli_flight.design_charts import Chart
+from heli_flight.design_charts import Chart, chart_graph
 from heli_flight.design_detail_tables import (
     assumption_table,
     attempt_table,
@@ -32,10 +29,9 @@ from heli_flight.design_detail_tables import (
 from heli_flight.design_examination import examination, gain_tables, plant_metrics, sweep
 from heli_flight.design_figures import controller_charts, overview_chart, sweep_chart
 from heli_flight.design_metrics import WeightsFolder, controller_metrics, designed
-from heli_flight.design_pictures import chart_png, plotly_chart
 from heli_flight.design_tables import overview_tables, robustness_table
-from heli_flight.picture import data_uri
-from heli_flight.report import page_environment
+from heli_flight.graph_pictures import graph_png, plotly_graph
+from heli_flight.page import live, render_page, still, write_page
 
 Told = Callable[[str, int, int], None]
 
@@ -107,33 +103,23 @@ def write_design_report(
     said("draws", jobs - 1, jobs)
     charts = _charts(summaries, folder, metrics)
     pictures = {
-        out / f"{chart.key}.png": chart_png(
-            replace(chart, title=f"{name}: {chart.title}") if name in summaries else chart
+        out / f"{chart.key}.png": graph_png(
+            chart_graph(replace(chart, title=f"{name}: {chart.title}") if name in summaries else chart)
         )
         for name, group in charts.items()
         for chart in group
         if static
     }
-    html = (
-        page_environment()
-        .get_template("design.html")
-        .render(
-            **_page(metrics),
-            charts={
-                name: [_drawn(chart, out, pictures, static) for chart in group]
-                for name, group in charts.items()
-            },
-            script="" if static else get_plotlyjs(),
-        )
+    html = render_page(
+        "design.html",
+        kind="design report",
+        heading=f"Controllers for {model.name}",
+        static=static,
+        **_page(metrics),
+        charts={name: [_drawn(chart, out, pictures) for chart in group] for name, group in charts.items()},
     )
     page = out / "design.html"
-    try:
-        write_atomically(page, html)
-        write_atomically(out / "design.json", json.dumps(metrics, indent=2, allow_nan=False) + "\n")
-        for path, png in pictures.items():
-            write_atomically(path, png)
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", file=error.filename or page) from None
+    write_page(page, html, out / "design.json", metrics, pictures)
     said("done", jobs, jobs)
     return DesignReport(page, tuple(pictures), metrics)
 
@@ -157,11 +143,9 @@ def _charts(
     return made
 
 
-def _drawn(chart: Chart, out: Path, pictures: Mapping[Path, bytes], static: bool) -> dict[str, str]:
-    about = {"key": chart.key, "title": chart.title, "caption": chart.caption}
-    if static:
-        return {**about, "picture": data_uri(pictures[out / f"{chart.key}.png"])}
-    return {**about, "plot": plotly_chart(chart).replace("<", "\\u003c")}
+def _drawn(chart: Chart, out: Path, pictures: Mapping[Path, bytes]) -> dict[str, Any]:
+    png = pictures.get(out / f"{chart.key}.png")
+    return live(chart, plotly_graph(chart_graph(chart))) if png is None else still(chart, png)
 
 
 def _page(metrics: Mapping[str, Any]) -> dict[str, Any]:

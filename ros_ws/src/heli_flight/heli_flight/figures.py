@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import degrees
 
 import numpy as np
 
 from heli_common.flight_state import FlightState
 from heli_flight.flight_record import Array, FlightRecord, Stamps, seconds
-from heli_flight.metrics import hover_start, reference_legs
+from heli_flight.flight_statistics import SERVO_LIMITS, VOLTAGE_LIMITS
 
 TRUTH, ESTIMATE, REFERENCE, COMMAND, LIMIT = "truth", "estimate", "reference", "command", "limit"
-
-SERVO_LIMITS_DEG = ((-10.0, 10.0), (-10.0, 10.0), (-4.0, 16.0), (-5.0, 25.0))
-"""Travel of B_1s, A_1s, theta_0, theta_t (spec 2.5); the cyclic range is shared, less is left at hover."""
-VOLTAGE_LIMITS = (0.0, 10.0)
 
 _RADIAN = degrees(1.0)
 
@@ -60,14 +56,13 @@ class Band:
 
 @dataclass(frozen=True)
 class Figure:
-    """Panels above each other with one time axis, or one panel with equal axes if `plane`.
+    """Panels above each other with one time axis.
 
     Attributes:
         key: part of file names and links.
         title, caption: for people.
         panels: from top to bottom.
         bands: stages of the flight.
-        plane: whether both axes are lengths.
     """
 
     key: str
@@ -75,21 +70,27 @@ class Figure:
     caption: str
     panels: tuple[Panel, ...]
     bands: tuple[Band, ...] = ()
-    plane: bool = False
-    x_label: str = "time [s]"
-    x_range: tuple[float, float] | None = field(default=None)
 
 
-def flight_figures(records: Sequence[FlightRecord], names: Sequence[str]) -> list[Figure]:
-    """The figures of one flight, or of several laid over each other; those without data are left out.
+def flight_figure(key: str, records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
+    """One figure of one flight, or of several laid over each other; without data it has no curves.
 
     Args:
+        key: `position`, `attitude`, `velocity`, `commands` or `rotor`.
         records: flights, at least one.
         names: one for each flight.
+
+    Raises:
+        KeyError: no such figure.
     """
-    builders = (_position, _attitude, _velocity, _commands, _rotor, _hover)
-    figures = [build(records, names) for build in builders]
-    return [figure for figure in figures if any(panel.curves for panel in figure.panels)]
+    builders = {
+        "position": _position,
+        "attitude": _attitude,
+        "velocity": _velocity,
+        "commands": _commands,
+        "rotor": _rotor,
+    }
+    return builders[key](records, names)
 
 
 Columns = Callable[[FlightRecord], tuple[Stamps, Array]]
@@ -236,7 +237,7 @@ def _commands(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
                 truth=lambda record: record.actuator_state,
                 command=lambda record: record.servo_command,
             ),
-            SERVO_LIMITS_DEG[column],
+            tuple(_RADIAN * limit for limit in SERVO_LIMITS[column]),
         )
         for column, label in enumerate(labels)
     )
@@ -265,19 +266,3 @@ def _rotor(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
     )
     caption = "Measured rotor speed, and what the motor controller asks of the supply."
     return Figure("rotor", "Rotor and motor", caption, panels, bands(records))
-
-
-def _hover(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
-    """Deviation from the reference in the horizontal plane during hover."""
-    curves: list[Curve] = []
-    for flight, (record, name) in enumerate(zip(records, names, strict=True)):
-        truth = record.truth
-        for leg in reference_legs(record):
-            if leg.jump is None:
-                inside = (truth.stamps >= hover_start(leg)) & (truth.stamps < leg.end_ns)
-                error = 100.0 * (truth.position[inside] - leg.reference[:3])
-                label = name if len(records) > 1 else TRUTH
-                curves += [Curve(label, TRUTH, error[:, 1], error[:, 0], flight)] if len(error) else []
-    panel = Panel("x north", "cm", tuple(curves))
-    caption = "True position minus reference while hovering, seen from above; north is up."
-    return Figure("hover", "Hover in the plane", caption, (panel,), plane=True, x_label="y east [cm]")

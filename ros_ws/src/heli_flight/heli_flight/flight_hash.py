@@ -20,7 +20,8 @@ from heli_common.layout import Layout
 from heli_common.topics import DATA_TOPICS, TOPICS
 from heli_flight.bag_reader import Bag
 
-_STAMP_AND_LENGTH = struct.Struct("<qI")
+_BLOCK = 4096
+"""Messages that are hashed at a time."""
 
 Entry = tuple[int, str, int, bytes]
 """Stamp [ns], topic, index within the topic, canonical CDR."""
@@ -112,12 +113,38 @@ def hash_messages(messages: Mapping[str, Sequence[bytes]]) -> str:
     Raises:
         InputError: a message is not of its topic's layout.
     """
+    parts: list[bytes] = []
+    stamps: list[NDArray[np.int64]] = [np.zeros(0, np.int64)]
+    ranks: list[NDArray[np.int64]] = [np.zeros(0, np.int64)]
+    for rank, topic in enumerate(sorted(DATA_TOPICS)):
+        if not messages.get(topic):
+            continue
+        table = _hashed_rows(topic, messages[topic])
+        stamps.append(table["stamp"].astype(np.int64))
+        ranks.append(np.full(len(table), rank))
+        content, width = table.tobytes(), table.dtype.itemsize
+        parts += [content[place : place + width] for place in range(0, len(content), width)]
+    # stable, so that messages of one topic and stamp stay as they were sent
+    order = np.lexsort((np.concatenate(ranks), np.concatenate(stamps))).tolist()
     digest = hashlib.sha256()
-    names = {topic: topic.encode() + b"\0" for topic in DATA_TOPICS}
-    pack = _STAMP_AND_LENGTH.pack
-    for stamp, topic, _, data in ordered(messages):
-        digest.update(names[topic] + pack(stamp, len(data)) + data)
+    for start in range(0, len(order), _BLOCK):
+        digest.update(b"".join([parts[place] for place in order[start : start + _BLOCK]]))
     return digest.hexdigest()
+
+
+def _hashed_rows(topic: str, messages: Sequence[bytes]) -> NDArray[np.void]:
+    """What enters the hash of one topic's messages, a row each."""
+    layout, name = TOPICS[topic].layout, topic.encode() + b"\0"
+    try:
+        canonical = canonical_messages(layout, messages)
+    except ValueError as error:
+        raise InputError(str(error), key=topic) from None
+    fields = [("topic", f"V{len(name)}"), ("stamp", "<i8"), ("length", "<u4"), ("data", f"V{layout.size}")]
+    table = np.empty(len(canonical), dtype=fields)
+    table["topic"], table["length"] = np.void(name), layout.size
+    table["stamp"] = stamps_of(layout, canonical)
+    table["data"] = np.frombuffer(b"".join(canonical), dtype=f"V{layout.size}")
+    return table
 
 
 def bag_hash(bag: Bag) -> str:

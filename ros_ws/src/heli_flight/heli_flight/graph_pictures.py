@@ -1,8 +1,7 @@
-"""Graphs drawn by the browser (plotly) or as PNG pictures (matplotlib)."""
+"""Graphs drawn by the browser (plotly) or as PNG and SVG pictures (matplotlib)."""
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 import matplotlib as mpl
@@ -13,16 +12,25 @@ from matplotlib.figure import Figure as Canvas
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from plotly.subplots import make_subplots
 
-from heli_flight.graphs import Curve, Graph, Kind, Plot
-from heli_flight.picture import FLIGHT_COLOURS, STYLE
+from heli_flight.figures import REFERENCE
+from heli_flight.graphs import GREY, Curve, Graph, Kind, Plot
+from heli_flight.picture import FLIGHT_COLOURS, ROLE_COLOURS, STYLE, save_png
 
 _GRID = "rgba(128,128,128,0.22)"
 _LIMIT = "#dc2626"
-_BAND_OPACITY, _PALE = 0.22, 0.45
+_BAND_OPACITY, _PALE, _CLOUD = 0.22, 0.45, 0.3
 _GAP = 0.72
 """Between rows of plots in a picture [inch]."""
 _TOP, _BOTTOM, _BETWEEN = 40, 88, 76
 """Pixels above, below and between rows of plots."""
+_ONE_LINE = 110
+"""Letters that the names in a picture's legend may have to stand in one line."""
+_SYMBOLS = {
+    Kind.POINTS: {"symbol": "circle", "size": 4},
+    Kind.CLOUD: {"symbol": "circle", "size": 3, "opacity": _CLOUD},
+    Kind.CROSSES: {"symbol": "x-thin-open", "size": 9, "line": {"width": 2}},
+    Kind.DIAMONDS: {"symbol": "diamond-open", "size": 10, "line": {"width": 2}},
+}
 
 
 def plotly_graph(graph: Graph) -> str:
@@ -33,7 +41,7 @@ def plotly_graph(graph: Graph) -> str:
         rows=rows,
         cols=columns,
         subplot_titles=[plot.title for row in graph.rows for plot in row],
-        horizontal_spacing=0.16 / columns if columns > 1 else 0.0,
+        horizontal_spacing=(0.24 if graph.rows[0][0].y_log else 0.16) / columns if columns > 1 else 0.0,
         vertical_spacing=_BETWEEN / inside if rows > 1 else 0.0,
     )
     shown: set[str] = set()
@@ -46,6 +54,8 @@ def plotly_graph(graph: Graph) -> str:
                 line = {"color": _LIMIT, "width": 1, "dash": "dot"}
                 drawn.add_hline(y=limit, row=row, col=column, line=line)
             _axes(drawn, plot, row, column)
+    if graph.timed:
+        drawn.for_each_xaxis(lambda axis: axis.update(matches=None if axis.plotly_name == "xaxis" else "x"))
     drawn.update_yaxes(gridcolor=_GRID, zeroline=False, automargin=True)
     drawn.update_annotations(font_size=13)
     drawn.update_layout(
@@ -97,15 +107,8 @@ def _traces(curve: Curve, shown: set[str]) -> list[go.Scatter]:
     if curve.kind is Kind.STEMS:
         x = np.repeat(x, 3)
         y = np.column_stack((np.zeros(len(y)), y, np.full(len(y), np.nan))).ravel().astype(np.float32)
-    if curve.kind in (Kind.POINTS, Kind.CROSSES):
-        cross = curve.kind is Kind.CROSSES
-        marker: dict[str, Any] = {
-            "symbol": "x-thin-open" if cross else "circle",
-            "size": 9 if cross else 4,
-            "color": colour,
-        }
-        if cross:
-            marker["line"] = {"width": 2}
+    if curve.kind in _SYMBOLS:
+        marker = {"color": colour, **_SYMBOLS[curve.kind]}
         return [go.Scatter(x=x, y=y, mode="markers", marker=marker, **named)]
     line = {"color": colour, "width": 1.5, "dash": "dash" if curve.kind is Kind.DASHED else "solid"}
     if curve.kind is Kind.WIDE:
@@ -133,10 +136,21 @@ def _axes(drawn: Any, plot: Plot, row: int, column: int) -> None:
     drawn.update_yaxes(title={"text": plot.y_label, "standoff": 4}, row=row, col=column)
     if plot.y_range is not None:
         drawn.update_yaxes(range=list(plot.y_range), row=row, col=column)
+    if plot.y_log:
+        drawn.update_yaxes(type="log", exponentformat="power", dtick=1, row=row, col=column)
+    if plot.equal:
+        (name,) = {axis.plotly_name for axis in drawn.select_xaxes(row=row, col=column)}
+        drawn.update_yaxes(scaleanchor=name.replace("axis", ""), constrain="domain", row=row, col=column)
+        drawn.update_xaxes(constrain="domain", row=row, col=column)
 
 
 def graph_png(graph: Graph, dpi: int = 110) -> bytes:
     """The PNG file of a graph."""
+    return save_png(graph_canvas(graph), dpi)
+
+
+def graph_canvas(graph: Graph) -> Canvas:
+    """A graph drawn, to be saved as PNG or SVG."""
     rows, columns = len(graph.rows), len(graph.rows[0])
     width, height = 12.0, 1.5 + (graph.row_height / 100.0 + _GAP) * rows
     with mpl.rc_context(STYLE):
@@ -160,31 +174,14 @@ def graph_png(graph: Graph, dpi: int = 110) -> bytes:
                     known.setdefault(label, handle)
         place = {"x": 0.01, "y": 1.0 - 0.08 / height, "va": "top", "ha": "left"}
         canvas.suptitle(graph.title, **place, fontsize=12, fontweight="bold", color="#111827")
-        canvas.legend(
-            known.values(), known.keys(), loc="lower center", ncols=max(1, len(known)), frameon=False
-        )
-        stream = io.BytesIO()
-        canvas.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
-    return stream.getvalue()
+        columns = len(known) if sum(map(len, known)) < _ONE_LINE else 6
+        canvas.legend(known.values(), known.keys(), loc="lower center", ncols=max(1, columns), frameon=False)
+    return canvas
 
 
 def _draw(axis: Any, plot: Plot) -> None:
     for curve in plot.curves:
-        colour, label = _colour(curve.colour), curve.label or None
-        if curve.kind is Kind.BAND and curve.upper is not None:
-            shade = {"color": colour, "alpha": _BAND_OPACITY, "linewidth": 0.0}
-            axis.fill_between(curve.x, curve.y, curve.upper, label=label, **shade)
-        elif curve.kind is Kind.STEMS:
-            axis.vlines(curve.x, 0.0, curve.y, color=colour, linewidth=1.4, label=label)
-        elif curve.kind is Kind.POINTS:
-            axis.plot(curve.x, curve.y, ".", color=colour, markersize=3.5, label=label)
-        elif curve.kind is Kind.CROSSES:
-            axis.plot(curve.x, curve.y, "x", color=colour, markersize=6, markeredgewidth=1.5, label=label)
-        elif curve.kind is Kind.WIDE:
-            axis.plot(curve.x, curve.y, color=colour, linewidth=3.2, alpha=_PALE, label=label)
-        else:
-            style = "--" if curve.kind is Kind.DASHED else "-"
-            axis.plot(curve.x, curve.y, style, color=colour, linewidth=1.1, label=label)
+        _curve(axis, curve)
     for limit in plot.limits:
         axis.axhline(limit, color=_LIMIT, linewidth=0.8, linestyle=":")
     if plot.log:
@@ -196,26 +193,57 @@ def _draw(axis: Any, plot: Plot) -> None:
         axis.xaxis.set_minor_locator(NullLocator())
     elif plot.x_range is not None:
         axis.set_xlim(*plot.x_range)
+    if plot.y_log:
+        axis.set_yscale("log")
     if plot.y_range is not None:
         axis.set_ylim(*plot.y_range)
+    if plot.equal:
+        axis.set_aspect("equal", adjustable="box")
     axis.set_title(plot.title, fontsize=9.5, color="#374151")
     axis.set_xlabel(plot.x_label, labelpad=1)
     axis.set_ylabel(plot.y_label, labelpad=1)
+
+
+def _curve(axis: Any, curve: Curve) -> None:
+    colour, label = _colour(curve.colour), curve.label or None
+    if curve.kind is Kind.BAND and curve.upper is not None:
+        shade = {"color": colour, "alpha": _BAND_OPACITY, "linewidth": 0.0}
+        axis.fill_between(curve.x, curve.y, curve.upper, label=label, **shade)
+    elif curve.kind is Kind.STEMS:
+        axis.vlines(curve.x, 0.0, curve.y, color=colour, linewidth=1.4, label=label)
+    elif curve.kind is Kind.POINTS:
+        axis.plot(curve.x, curve.y, ".", color=colour, markersize=3.5, label=label)
+    elif curve.kind is Kind.CLOUD:
+        dots = {"markersize": 2.2, "markeredgewidth": 0.0, "alpha": _CLOUD}
+        axis.plot(curve.x, curve.y, "o", color=colour, label=label, **dots)
+    elif curve.kind is Kind.CROSSES:
+        axis.plot(curve.x, curve.y, "x", color=colour, markersize=6, markeredgewidth=1.5, label=label)
+    elif curve.kind is Kind.DIAMONDS:
+        hollow = {"markerfacecolor": "none", "markeredgecolor": colour, "markeredgewidth": 1.5}
+        axis.plot(curve.x, curve.y, "D", markersize=6, linestyle="none", zorder=4, label=label, **hollow)
+    elif curve.kind is Kind.WIDE:
+        axis.plot(curve.x, curve.y, color=colour, linewidth=3.2, alpha=_PALE, label=label)
+    else:
+        style = "--" if curve.kind is Kind.DASHED else "-"
+        axis.plot(curve.x, curve.y, style, color=colour, linewidth=1.1, label=label)
 
 
 def _ends(plot: Plot) -> tuple[float, float]:
     """Of a logarithmic axis."""
     if plot.x_range is not None:
         return plot.x_range
+    if not plot.curves:
+        return 0.1, 10.0
     return min(float(c.x.min()) for c in plot.curves), max(float(c.x.max()) for c in plot.curves)
 
 
 def _decades(low: float, high: float) -> list[float]:
-    """Ticks at 1, 2 and 5 in every decade."""
+    """Ticks at every decade, of a short axis at 1, 2 and 5 in each."""
+    steps = (1.0,) if high > 300.0 * low else (1.0, 2.0, 5.0)
     decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
-    every = [step * 10.0**decade for decade in decades for step in (1.0, 2.0, 5.0)]
+    every = [step * 10.0**decade for decade in decades for step in steps]
     return [value for value in every if low * 0.999 <= value <= high * 1.001]
 
 
 def _colour(number: int) -> str:
-    return FLIGHT_COLOURS[number % len(FLIGHT_COLOURS)]
+    return ROLE_COLOURS[REFERENCE] if number == GREY else FLIGHT_COLOURS[number % len(FLIGHT_COLOURS)]

@@ -1,4 +1,4 @@
-"""Graphs of the identification report as plain curves: a grid of plots, each with axes of its own."""
+"""Graphs of the reports as plain curves: a grid of plots, each with axes of its own."""
 
 from __future__ import annotations
 
@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+GREY = -1
+"""Number of the colour of a reference or a claimed band, beside those of curves from 0 on."""
+
+
 class Kind(Enum):
     """How a curve is drawn."""
 
@@ -19,7 +23,11 @@ class Kind(Enum):
     """pale and wide, for another curve on top"""
     DASHED = "dashed"
     POINTS = "points"
+    CLOUD = "cloud"
+    """many small translucent points"""
     CROSSES = "crosses"
+    DIAMONDS = "diamonds"
+    """hollow, for printed values"""
     STEMS = "stems"
     BAND = "band"
 
@@ -52,7 +60,8 @@ class Plot:
         title: above it. x_label, y_label: of the axes.
         curves: later ones on top.
         limits: dotted lines across it.
-        log: whether x is logarithmic.
+        log, y_log: whether x or y is logarithmic.
+        equal: whether a unit is as long in x as in y.
         x_range, y_range: None takes what there is.
     """
 
@@ -64,6 +73,8 @@ class Plot:
     log: bool = False
     x_range: tuple[float, float] | None = None
     y_range: tuple[float, float] | None = None
+    y_log: bool = False
+    equal: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +86,7 @@ class Graph:
         title, caption: for people.
         rows: of plots, all of one length.
         row_height: of the page's plot [pixels].
+        timed: whether every x is the time of flight [s].
     """
 
     key: str
@@ -82,3 +94,4 @@ class Graph:
     caption: str
     rows: tuple[tuple[Plot, ...], ...]
     row_height: int = 220
+    timed: bool = False

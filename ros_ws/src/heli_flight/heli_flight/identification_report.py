@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from plotly.offline import get_plotlyjs
-
 from heli_common.errors import InputError
-from heli_common.files import write_atomically
 from heli_common.linear_model import StateSpace
 from heli_common.model_file import ModelFile
-from heli_flight.design_tables import number
 from heli_flight.graph_pictures import graph_png, plotly_graph
 from heli_flight.graphs import Graph
 from heli_flight.identification import Identified
@@ -26,8 +21,8 @@ from heli_flight.identification_tables import (
     residual_table,
     weak_lines,
 )
-from heli_flight.picture import data_uri
-from heli_flight.report import page_environment
+from heli_flight.page import live, render_page, still, write_page
+from heli_flight.page_tables import number
 from heli_flight.response_figures import response_graphs
 from heli_identification.identified_model import block_of
 from heli_identification.published_coefficients import NOTES
@@ -68,23 +63,17 @@ def write_identification_report(
     pictures = {
         out / f"{graph.key}.png": graph_png(graph) for group in drawn.values() for graph in group if static
     }
-    html = (
-        page_environment()
-        .get_template("identification.html")
-        .render(
-            **_page(found, beside),
-            graphs={name: [_shown(graph, out, pictures) for graph in group] for name, group in drawn.items()},
-            script="" if static else get_plotlyjs(),
-        )
+    flights = ", ".join(sorted({record.name for record in found.records}))
+    html = render_page(
+        "identification.html",
+        kind="identification report",
+        heading=f"{found.estimate.structure.name} from {flights}",
+        static=static,
+        **_page(found, beside),
+        graphs={name: [_shown(graph, out, pictures) for graph in group] for name, group in drawn.items()},
     )
     page = out / "identification.html"
-    try:
-        write_atomically(page, html)
-        write_atomically(out / "identification.json", json.dumps(metrics, indent=2) + "\n")
-        for path, png in pictures.items():
-            write_atomically(path, png)
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", file=error.filename or page) from None
+    write_page(page, html, out / "identification.json", metrics, pictures)
     return IdentificationReport(page, tuple(pictures))
 
 
@@ -112,22 +101,16 @@ def _beside(structure: Structure, prior: ModelFile | None) -> Structure | None:
         return None
 
 
-def _shown(graph: Graph, out: Path, pictures: Mapping[Path, bytes]) -> dict[str, str]:
-    about = {"key": graph.key, "title": graph.title, "caption": graph.caption}
+def _shown(graph: Graph, out: Path, pictures: Mapping[Path, bytes]) -> dict[str, Any]:
     png = pictures.get(out / f"{graph.key}.png")
-    if png is not None:
-        return {**about, "picture": data_uri(png)}
-    return {**about, "plot": plotly_graph(graph).replace("<", "\\u003c")}
+    return live(graph, plotly_graph(graph)) if png is None else still(graph, png)
 
 
 def _page(found: Identified, beside: Structure | None) -> dict[str, Any]:
     """What the template needs beside the graphs."""
     estimate, choice = found.estimate, found.choice
     model: StateSpace | None = None if beside is None else beside.model()
-    flights = sorted({record.name for record in found.records})
     return {
-        "structure": estimate.structure.name,
-        "flights": ", ".join(flights),
         "badges": [choice.method, f"noise: {estimate.noise.value}", f"input: {choice.source.value}"]
         + (["averaged"] if choice.averaging else []),
         "white": estimate.white,

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heli_common.linear_model import StateSpace
-from heli_flight.design_tables import BAD, GOOD, NOTHING, SOFT, TEXT, Cell, Table, number, significant
 from heli_flight.identification import Identified
 from heli_flight.identification_figures import shown
+from heli_flight.page_tables import BAD, GOOD, NOTHING, SOFT, TEXT, Cell, Table, number, significant
 from heli_identification.pole_uncertainty import uncertain_poles
 from heli_identification.published_coefficients import published
 from heli_identification.residual_tests import autocorrelation, cross_correlation

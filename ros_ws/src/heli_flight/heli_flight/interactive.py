@@ -8,6 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
+from heli_flight.decimation import thinned
 from heli_flight.figures import COMMAND, ESTIMATE, LIMIT, REFERENCE, TRUTH, Curve, Figure
 from heli_flight.picture import ESTIMATE_OPACITY, ROLE_COLOURS, colour
 
@@ -18,7 +19,7 @@ _WIDTH = {TRUTH: 1.4, ESTIMATE: 3.2, REFERENCE: 1.5, COMMAND: 2.0}
 
 def plotly_json(figure: Figure) -> str:
     """Data and layout of a figure for `Plotly.newPlot`; colours of text are the page's business."""
-    drawn = _plane(figure) if figure.plane else _over_time(figure)
+    drawn = _over_time(figure)
     drawn.update_layout(
         template="none",
         paper_bgcolor="rgba(0,0,0,0)",
@@ -33,7 +34,7 @@ def plotly_json(figure: Figure) -> str:
             "yanchor": "top",
         },
         modebar={"bgcolor": "rgba(0,0,0,0)", "color": "rgba(128,128,128,0.7)", "activecolor": "#2563eb"},
-        hovermode="closest" if figure.plane else "x unified",
+        hovermode="x unified",
     )
     return str(drawn.to_json())
 
@@ -51,54 +52,50 @@ def _over_time(figure: Figure) -> Any:
                 y=limit, row=row, col=1, line={"color": ROLE_COLOURS[LIMIT], "width": 1, "dash": "dot"}
             )
         drawn.update_yaxes(title={"text": f"{panel.label} [{panel.unit}]", "standoff": 8}, row=row, col=1)
-    drawn.update_xaxes(title_text=figure.x_label, row=rows, col=1)
+    drawn.update_xaxes(title_text="time [s]", row=rows, col=1)
     drawn.update_xaxes(gridcolor=_GRID, zeroline=False, showline=False)
     drawn.update_yaxes(gridcolor=_GRID, zeroline=False, automargin=True)
-    for number, band in enumerate(figure.bands):
-        drawn.add_vrect(
-            x0=band.start,
-            x1=band.end,
-            line_width=0,
-            layer="below",
-            fillcolor="rgba(128,128,128,0.09)" if number % 2 == 0 else "rgba(128,128,128,0.0)",
-        )
-        if band.end - band.start > 0.03 * (figure.bands[-1].end - figure.bands[0].start):
-            drawn.add_annotation(
-                x=band.start,
-                y=1.0,
-                xref="x",
-                yref="paper",
-                xanchor="left",
-                yanchor="bottom",
-                text=band.label,
-                showarrow=False,
-                font={"size": 11},
-                opacity=0.7,
-            )
+    shapes = [
+        {
+            "type": "rect",
+            "xref": "x",
+            "yref": "paper",
+            "y0": 0.0,
+            "y1": 1.0,
+            "layer": "below",
+            "x0": band.start,
+            "x1": band.end,
+            "fillcolor": "rgba(128,128,128,0.09)",
+            "line": {"width": 0},
+        }
+        for band in figure.bands[::2]
+    ]
+    words = [
+        {
+            "x": band.start,
+            "xref": "x",
+            "xanchor": "left",
+            "y": 1.0,
+            "yref": "paper",
+            "yanchor": "bottom",
+            "text": band.label,
+            "showarrow": False,
+            "font": {"size": 11},
+            "opacity": 0.7,
+        }
+        for band in figure.bands
+        if band.end - band.start > 0.03 * (figure.bands[-1].end - figure.bands[0].start)
+    ]
+    drawn.update_layout(shapes=[*drawn.layout.shapes, *shapes], annotations=words)
     drawn.update_layout(height=70 + PANEL_HEIGHT * rows, margin={"l": 70, "r": 16, "t": 56, "b": 46})
     return drawn
 
 
-def _plane(figure: Figure) -> Any:
-    panel = figure.panels[0]
-    drawn = go.Figure()
-    shown: set[str] = set()
-    for curve in panel.curves:
-        drawn.add_trace(_line(curve, panel.unit, curve.label not in shown))
-        shown.add(curve.label)
-    cross = {"symbol": "cross-thin", "size": 16, "line": {"width": 2, "color": ROLE_COLOURS[REFERENCE]}}
-    drawn.add_trace(go.Scatter(x=[0.0], y=[0.0], mode="markers", name=REFERENCE, marker=cross))
-    drawn.update_xaxes(title_text=figure.x_label, gridcolor=_GRID, zeroline=False)
-    drawn.update_yaxes(title_text=f"{panel.label} [{panel.unit}]", gridcolor=_GRID, zeroline=False)
-    drawn.update_yaxes(scaleanchor="x", scaleratio=1)
-    drawn.update_layout(height=520, margin={"l": 70, "r": 16, "t": 56, "b": 46})
-    return drawn
-
-
 def _line(curve: Curve, unit: str, in_legend: bool) -> Any:
+    x, y = thinned(curve.x, curve.y)
     return go.Scatter(
-        x=curve.x.astype(np.float32),
-        y=curve.y.astype(np.float32),
+        x=x.astype(np.float32),
+        y=y.astype(np.float32),
         mode="lines",
         name=curve.label,
         legendgroup=curve.label,

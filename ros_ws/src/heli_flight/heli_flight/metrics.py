@@ -1,4 +1,4 @@
-"""Figures of merit of a flight: hover, steps, rotor speed, navigation (spec 5, F1 and F2).
+"""Figures of merit of a flight: hover, steps, rotor speed, commands, estimation, wind (spec 5, F1 and F2).
 
 Everything is SI, with the unit in the key; what cannot be said of a flight is None and named in `missing`.
 Position is the true one, against the supervisor's reference; axes are earth north, east, down.
@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from heli_common.flight_state import FlightState
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import data_topics
 from heli_flight.flight_record import Array, FlightRecord, Stamps, seconds
+from heli_flight.flight_statistics import command_metrics, controlled, estimation_metrics, wind_metrics
 
 AXES = ("x", "y", "z", "psi")
 UNITS = ("m", "m", "m", "rad")
@@ -92,7 +92,9 @@ def flight_metrics(record: FlightRecord) -> dict[str, Any]:
         "hover": [hover for hover in hovers if hover],
         "steps": [step for step in steps if step],
         "rotor": rotor_metrics(record),
-        "navigation": navigation_metrics(record),
+        "commands": command_metrics(record),
+        "estimation": estimation_metrics(record),
+        "wind": wind_metrics(record),
         "missing": missing,
     }
 
@@ -175,7 +177,7 @@ def step_metrics(record: FlightRecord, leg: Leg) -> dict[str, Any]:
     time, error, attitude = _errors(record, leg, leg.start_ns, leg.end_ns)
     if not len(time):
         return {}
-    axis = int(np.argmax(np.abs(leg.jump) / _JUMP))
+    axis = step_axis(leg)
     name, unit, amplitude = AXES[axis], UNITS[axis], float(leg.jump[axis])
     response = 1.0 + error[:, axis] / amplitude
     first, last = _crossing(time, response, 0.1), _crossing(time, response, 0.9)
@@ -199,6 +201,17 @@ def step_metrics(record: FlightRecord, leg: Leg) -> dict[str, Any]:
     for angle, column in zip(("theta", "phi"), before[:, 1:].T, strict=True):
         found[f"{angle}_range_rad"] = float(np.ptp(column))
     return found
+
+
+def step_axis(leg: Leg) -> int:
+    """Which of the axes steps: its place in `AXES`.
+
+    Raises:
+        ValueError: the leg does not begin with a step.
+    """
+    if leg.jump is None:
+        raise ValueError("the leg does not begin with a step")
+    return int(np.argmax(np.abs(leg.jump) / _JUMP))
 
 
 def _crossing(time: Array, response: Array, level: float) -> float | None:
@@ -229,7 +242,7 @@ def rotor_metrics(record: FlightRecord) -> dict[str, float]:
     reference_stamps, reference = record.rotor_reference
     _, here, there = np.intersect1d(stamps, reference_stamps, return_indices=True)
     wanted = reference[there]
-    chosen = _controlled(record, stamps[here]) & (wanted > 0.0)
+    chosen = controlled(record, stamps[here]) & (wanted > 0.0)
     if not np.any(chosen):
         return {}
     speed, wanted = speed[here][chosen], wanted[chosen]
@@ -240,28 +253,3 @@ def rotor_metrics(record: FlightRecord) -> dict[str, float]:
         "max_deviation_percent": float(np.max(np.abs(deviation))),
         "rms_deviation_percent": float(np.sqrt(np.mean(deviation**2))),
     }
-
-
-def navigation_metrics(record: FlightRecord) -> dict[str, float]:
-    """Estimated minus true pose in the air, root mean square; empty if either is missing."""
-    truth, estimate = record.truth, record.estimate
-    _, here, there = np.intersect1d(truth.stamps, estimate.stamps, return_indices=True)
-    chosen = _controlled(record, truth.stamps[here]) & estimate.known[there]
-    here, there = here[chosen], there[chosen]
-    if not len(here):
-        return {}
-    position = estimate.position[there] - truth.position[here]
-    angle = estimate.attitude[there] - truth.attitude[here]
-    angle = (angle + math.pi) % (2.0 * math.pi) - math.pi
-    names = ("x_m", "y_m", "z_m", "psi_rad", "theta_rad", "phi_rad")
-    columns = np.column_stack((position, angle)).T
-    return {f"rms_{name}": float(np.sqrt(np.mean(c**2))) for name, c in zip(names, columns, strict=True)}
-
-
-def _controlled(record: FlightRecord, stamps: Stamps) -> NDArray[np.bool_]:
-    """Which stamps lie in a stage in which the controllers steer."""
-    inside = np.zeros(len(stamps), dtype=np.bool_)
-    for stage in record.stages:
-        if stage.state.controlled:
-            inside |= (stamps >= stage.start_ns) & (stamps < stage.end_ns)
-    return inside

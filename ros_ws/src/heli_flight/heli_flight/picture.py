@@ -10,6 +10,7 @@ import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Canvas
 
+from heli_flight.decimation import thinned
 from heli_flight.figures import COMMAND, ESTIMATE, LIMIT, REFERENCE, TRUTH, Curve, Figure
 
 FLIGHT_COLOURS = ("#3b82f6", "#d97706", "#059669", "#9333ea", "#dc2626", "#0891b2", "#65a30d", "#be185d")
@@ -34,6 +35,8 @@ STYLE = {
     "xtick.color": "#4b5563",
     "ytick.color": "#4b5563",
     "path.simplify": True,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "heli_flight",
 }
 """Of matplotlib, for all pictures of a report."""
 
@@ -47,19 +50,35 @@ def colour(curve: Curve) -> str:
     )
 
 
-def draw_png(figure: Figure, dpi: int = 110) -> bytes:
-    """The PNG file of a figure."""
+def save_png(canvas: Canvas, dpi: int = 110) -> bytes:
+    """The PNG file of a drawn canvas; the same bytes every time."""
+    return _saved(canvas, "png", dpi=dpi, metadata={"Software": None})
+
+
+def save_svg(canvas: Canvas) -> bytes:
+    """The SVG file of a drawn canvas; the same bytes every time."""
+    return _saved(canvas, "svg", metadata={"Creator": None, "Date": None})
+
+
+def _saved(canvas: Canvas, kind: str, **options: Any) -> bytes:
+    stream = io.BytesIO()
+    with mpl.rc_context(STYLE):
+        canvas.savefig(stream, format=kind, **options)
+    return stream.getvalue()
+
+
+def figure_canvas(figure: Figure) -> Canvas:
+    """A figure drawn, to be saved as PNG or SVG."""
     with mpl.rc_context(STYLE):
         rows = len(figure.panels)
-        size = (6.2, 5.6) if figure.plane else (10.0, 0.9 + 1.75 * rows)
-        canvas = Canvas(figsize=size, layout="constrained")
+        canvas = Canvas(figsize=(10.0, 0.9 + 1.75 * rows), layout="constrained")
         FigureCanvasAgg(canvas)
         axes = canvas.subplots(rows, 1, sharex=True, squeeze=False)[:, 0]
         for axis, panel in zip(axes, figure.panels, strict=True):
             for band in figure.bands:
                 axis.axvline(band.start, color="#d1d5db", linewidth=0.8, zorder=0)
             for curve in panel.curves:
-                _draw(axis, curve, figure.plane)
+                _draw(axis, curve)
             for limit in panel.limits:
                 axis.axhline(limit, color=ROLE_COLOURS[LIMIT], linewidth=0.8, linestyle=":")
             axis.set_ylabel(f"{panel.label} [{panel.unit}]")
@@ -74,26 +93,22 @@ def draw_png(figure: Figure, dpi: int = 110) -> bytes:
                     fontsize=7.5,
                     color="#6b7280",
                 )
-        axes[-1].set_xlabel(figure.x_label)
-        if figure.plane:
-            axes[0].set_aspect("equal", adjustable="datalim")
-            axes[0].plot(0.0, 0.0, "+", color=ROLE_COLOURS[REFERENCE], markersize=12, label="reference")
+        axes[-1].set_xlabel("time [s]")
         _legend(canvas, axes)
         canvas.suptitle(figure.title, x=0.01, ha="left", fontsize=12, fontweight="bold", color="#111827")
-        stream = io.BytesIO()
-        canvas.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
-    return stream.getvalue()
+    return canvas
 
 
-def _draw(axis: Any, curve: Curve, plane: bool) -> None:
+def _draw(axis: Any, curve: Curve) -> None:
     dashed = curve.role == REFERENCE
+    x, y = thinned(curve.x, curve.y)
     axis.plot(
-        curve.x,
-        curve.y,
+        x,
+        y,
         label=curve.label,
         color=colour(curve),
         alpha=ESTIMATE_OPACITY if curve.role == ESTIMATE else 1.0,
-        linewidth=0.8 if plane else _WIDTH[curve.role],
+        linewidth=_WIDTH[curve.role],
         linestyle="--" if dashed else "-",
         zorder=3 if dashed else 2,
     )

@@ -1,4 +1,4 @@
-"""A flight's report: one HTML file that needs nothing else, pictures beside it, and the figures of merit."""
+"""A flight's report: one HTML file that needs nothing else, and the figures of merit beside it."""
 
 from __future__ import annotations
 
@@ -9,23 +9,25 @@ from math import degrees
 from pathlib import Path
 from typing import Any
 
-import yaml
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from plotly.offline import get_plotlyjs
-
 from heli_common.errors import InputError
-from heli_common.files import write_atomically
 from heli_common.flight_state import FlightState
-from heli_flight.figures import flight_figures
+from heli_common.topics import DATA_TOPICS
+from heli_flight.figures import Figure
 from heli_flight.flight_hash import TopicCount, bag_hash, count_check
 from heli_flight.flight_record import FlightRecord
+from heli_flight.flight_statistics import sampling_metrics
+from heli_flight.graph_pictures import graph_canvas, plotly_graph
+from heli_flight.graphs import Graph
 from heli_flight.interactive import plotly_json
 from heli_flight.metrics import flight_metrics
-from heli_flight.picture import data_uri, draw_png
-from heli_flight.sensor_figures import sensor_figures
+from heli_flight.page import live, render_page, still, write_page
+from heli_flight.page_tables import number
+from heli_flight.picture import figure_canvas, save_png, save_svg
+from heli_flight.report_sections import Content, Flights, Section, contents
+from heli_flight.report_tables import mapping, parameter_table
 
-TEMPLATES = Path(__file__).parent / "templates"
-NOTHING = "–"
+_COMPARED = ("flight_state", "reference", "ground_truth")
+"""Topics without which a flight cannot be laid over others."""
 
 _COUNTED = ("counts", "losses")
 _LABELS = {
@@ -44,8 +46,8 @@ class Report:
 
     Attributes:
         page: the HTML file.
-        pictures: PNG files.
-        summaries: per flight: name, provenance and figures of merit, ready for JSON.
+        pictures: PNG and SVG files, if the page is static.
+        summaries: per flight: name, provenance, figures of merit and sampling, ready for JSON.
     """
 
     page: Path
@@ -59,60 +61,120 @@ def write_report(folders: Sequence[Path], out: Path, static: bool = False) -> Re
     Args:
         folders: of the bags.
         out: folder for `report.html`, `metrics.json` and the pictures, or the path of the HTML file.
-        static: pictures instead of interactive plots in the page, which then is small and needs no script.
+        static: pictures instead of interactive plots in the page, small and without a script,
+            and every picture as PNG and SVG beside it.
 
     Raises:
-        InputError: no bags given, one is unreadable, or `out` cannot be written.
+        InputError: no bags given, one is unreadable or empty, one of several lacks what is compared, or `out`
+            cannot be written.
+    """
+    page = out if out.suffix == ".html" else out / "report.html"
+    records = load_flights(folders)
+    counts = [count_check(record.bag) for record in records]
+    flights = summarized(records, counts)
+    pictures: dict[Path, bytes] = {}
+    sections = [
+        {
+            "key": section.key,
+            "title": section.title,
+            "note": content.note,
+            "tables": content.tables,
+            "figures": drawn_figures(section, content, page.parent, pictures if static else None),
+        }
+        for section, content in contents(flights)
+    ]
+    html = render_page(
+        "report.html",
+        kind="flight report",
+        heading=_title(flights.summaries),
+        static=static,
+        about=flights.summaries[0]["provenance"]["about"] if len(records) == 1 else "",
+        flights=[_flight(*each) for each in zip(flights.summaries, records, strict=True)],
+        sections=sections,
+    )
+    write_page(page, html, page.parent / "metrics.json", flights.summaries, pictures)
+    return Report(page, tuple(pictures), list(flights.summaries))
+
+
+def load_flights(folders: Sequence[Path]) -> list[FlightRecord]:
+    """Read the bags of a report.
+
+    Args:
+        folders: of the bags.
+
+    Raises:
+        InputError: no bags given, one is unreadable or empty, or one of several lacks what is compared.
     """
     if not folders:
         raise InputError("no bag given", allowed="one or more bags")
-    page = out if out.suffix == ".html" else out / "report.html"
     records = [FlightRecord.load(folder) for folder in folders]
-    counts = [count_check(record.bag) for record in records]
+    for folder, record in zip(folders, records, strict=True):
+        if not any(record.bag.counts.get(topic) for topic in DATA_TOPICS):
+            raise InputError("holds no message of a flight", allowed="the bag of a flight", file=folder)
+        lacking = [topic for topic in _COMPARED if not record.bag.counts.get(topic)]
+        if len(records) > 1 and lacking:
+            raise InputError(
+                f"cannot be compared: nothing of {', '.join(lacking)}",
+                allowed="bags with " + ", ".join(_COMPARED),
+                file=folder,
+            )
+    return records
+
+
+def summarized(records: Sequence[FlightRecord], counts: Sequence[Sequence[TopicCount]]) -> Flights:
+    """The flights with their figures of merit.
+
+    Args:
+        records: flights. counts: of the bag of each.
+    """
     names = _names(records)
-    summaries: list[dict[str, Any]] = [
-        {"name": name, "provenance": provenance(record, count), "metrics": flight_metrics(record)}
+    summaries = [
+        {
+            "name": name,
+            "provenance": provenance(record, count),
+            "metrics": flight_metrics(record),
+            "sampling": sampling_metrics(record, count),
+        }
         for name, record, count in zip(names, records, counts, strict=True)
     ]
-    drawn: list[dict[str, str]] = []
-    pictures: dict[Path, bytes] = {}
-    for figure in (*flight_figures(records, names), *sensor_figures(records, names)):
-        png = draw_png(figure)
-        pictures[page.parent / f"{figure.key}.png"] = png
-        about = {"key": figure.key, "title": figure.title, "caption": figure.caption}
-        if static:
-            drawn.append({**about, "picture": data_uri(png)})
+    return Flights(records, names, summaries)
+
+
+def drawn_figures(
+    section: Section, content: Content, folder: Path, pictures: dict[Path, bytes] | None
+) -> list[dict[str, Any]]:
+    """The figures of a section for the template; the first goes by the section's name.
+
+    Args:
+        section: they stand in. content: of it.
+        folder: of the pictures.
+        pictures: to which PNG and SVG are added; None draws in the browser.
+    """
+    drawn = []
+    for figure in content.figures:
+        if pictures is None:
+            graph = isinstance(figure, Graph)
+            plot = plotly_graph(figure) if isinstance(figure, Graph) else plotly_json(figure)
+            about = live(figure, plot, timed=figure.timed if isinstance(figure, Graph) else not graph)
         else:
-            drawn.append({**about, "plot": plotly_json(figure).replace("<", "\\u003c")})
-    template = page_environment().get_template("report.html")
-    html = template.render(
-        title=_title(summaries),
-        about=summaries[0]["provenance"]["about"] if len(records) == 1 else "",
-        flights=[_flight(*each) for each in zip(summaries, records, counts, strict=True)],
-        hover=_hover_rows(summaries),
-        steps=_step_rows(summaries),
-        figures=drawn,
-        script="" if static else get_plotlyjs(),
-    )
-    try:
-        write_atomically(page, html)
-        write_atomically(page.parent / "metrics.json", json.dumps(summaries, indent=2) + "\n")
-        for path, png in pictures.items():
-            write_atomically(path, png)
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", file=error.filename or page) from None
-    return Report(page, tuple(pictures), summaries)
+            canvas = figure_canvas(figure) if isinstance(figure, Figure) else graph_canvas(figure)
+            png = save_png(canvas)
+            pictures[folder / f"{figure.key}.png"] = png
+            pictures[folder / f"{figure.key}.svg"] = save_svg(canvas)
+            about = still(figure, png)
+        drawn.append({**about, "title": "" if figure.title == section.title else figure.title})
+    return drawn
 
 
 def provenance(record: FlightRecord, counts: Sequence[TopicCount]) -> dict[str, Any]:
     """Where a flight comes from, ready for JSON: plan, settings, versions, hash and losses."""
-    plan = _mapping(record.custom_data.get("plan", ""))
+    plan = mapping(record.custom_data.get("plan", ""))
     short = {key: text for key, text in record.custom_data.items() if not _is_document(key, text)}
     return {
         **short,
         "plan": str(plan.get("name", "")),
         "about": str(plan.get("about", "")),
-        "versions": _mapping(record.custom_data.get("versions", "")),
+        "versions": mapping(record.custom_data.get("versions", "")),
         "flight_sha256": bag_hash(record.bag),
         "messages": sum(count.messages for count in counts),
         "lost_messages": sum(count.lost for count in counts),
@@ -129,15 +191,6 @@ def _late(custom_data: Mapping[str, str]) -> int | None:
     """Commands that came too late, of all topics; None if nobody counted."""
     counts = [text for key, text in custom_data.items() if key.startswith("late_") and text.isdecimal()]
     return sum(map(int, counts)) if counts else None
-
-
-def _mapping(text: str) -> dict[str, Any]:
-    """A YAML or JSON mapping in custom data; empty if it is none."""
-    try:
-        document = yaml.safe_load(text)
-    except yaml.YAMLError:
-        return {}
-    return document if isinstance(document, dict) else {}
 
 
 def _names(records: Sequence[FlightRecord]) -> list[str]:
@@ -157,75 +210,7 @@ def _title(summaries: Sequence[Mapping[str, Any]]) -> str:
     return flown if len(summaries) == 1 else f"{flown}: {len(summaries)} flights"
 
 
-def page_environment() -> Environment:
-    """Where the pages' templates come from; a name that is not given is an error."""
-    return Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-
-
-def _number(value: float | None, factor: float = 1.0, digits: int = 2) -> str:
-    return NOTHING if value is None else f"{value * factor:.{digits}f}".replace("-", "−")
-
-
-def _cm(value: float | None) -> str:
-    return _number(value, 100.0)
-
-
-def _deg(value: float | None) -> str:
-    return _number(value, degrees(1.0))
-
-
-def _hover_rows(summaries: Sequence[Mapping[str, Any]]) -> list[list[str]]:
-    """Rows in the manner of the source's Table 5.2."""
-    return [
-        [
-            summary["name"],
-            f"{hover['start_s']:.1f} – {hover['start_s'] + hover['duration_s']:.1f}",
-            *(_cm(hover[f"sigma_{axis}_m"]) for axis in "xyz"),
-            _deg(hover["sigma_psi_rad"]),
-            _deg(hover["sigma_theta_rad"]),
-            _deg(hover["sigma_phi_rad"]),
-            _cm(hover["max_xy_m"]),
-            _cm(hover["max_z_m"]),
-            *(_cm(hover[f"mean_{axis}_m"]) for axis in "xyz"),
-        ]
-        for summary in summaries
-        for hover in summary["metrics"]["hover"]
-    ]
-
-
-def _step_rows(summaries: Sequence[Mapping[str, Any]]) -> list[list[str]]:
-    rows = []
-    for summary in summaries:
-        for step in summary["metrics"]["steps"]:
-            unit = "rad" if step["axis"] == "psi" else "m"
-            show, word = (_deg, "deg") if unit == "rad" else (_cm, "cm")
-            show_factor = degrees(1.0) if unit == "rad" else 100.0
-            crosses = [step.get(f"cross_{axis}_max_m") for axis in "xyz"]
-            rows.append(
-                [
-                    summary["name"],
-                    f"{step['start_s']:.1f}",
-                    "ψ" if unit == "rad" else step["axis"],
-                    f"{_number(step[f'amplitude_{unit}'], show_factor, 1)} {word}",
-                    _number(step["rise_time_s"]),
-                    _number(step["overshoot_percent"], digits=1),
-                    _number(step["settling_time_s"]),
-                    f"{show(step[f'final_error_{unit}'])} {word}",
-                    *(_cm(cross) for cross in crosses),
-                    _deg(step["theta_range_rad"]),
-                    _deg(step["phi_range_rad"]),
-                ]
-            )
-    return rows
-
-
-def _flight(summary: Mapping[str, Any], record: FlightRecord, counts: Sequence[TopicCount]) -> dict[str, Any]:
+def _flight(summary: Mapping[str, Any], record: FlightRecord) -> dict[str, Any]:
     """What the page says of one flight beside tables and plots."""
     origin, metrics, remarks = summary["provenance"], summary["metrics"], record.custom_data
     told = {label: origin[key] for key, label in _LABELS.items() if origin.get(key)}
@@ -237,19 +222,20 @@ def _flight(summary: Mapping[str, Any], record: FlightRecord, counts: Sequence[T
     documents = {
         key.replace("_", " ").capitalize(): _pretty(text)
         for key, text in remarks.items()
-        if _is_document(key, text) and key not in (*_COUNTED, "versions")
+        if _is_document(key, text) and key not in (*_COUNTED, "versions", "parameters")
     }
     return {
         "name": summary["name"],
         "ended": _ended(metrics["flight"]["ended"]),
         "good": metrics["flight"]["complete"] and metrics["flight"]["ended"] == FlightState.STOPPED.word,
-        "duration": _number(metrics["flight"]["duration_s"], digits=1),
+        "duration": number(metrics["flight"]["duration_s"], digits=1),
         "missing": metrics["missing"],
         "tiles": _tiles(summary),
         "facts": {**told, **others, "flight, SHA-256": origin["flight_sha256"]},
         "versions": origin["versions"],
         "documents": documents,
-        "counts": counts,
+        "stages": _stages(metrics["stages"]),
+        "parameters": parameter_table(mapping(remarks.get("parameters", ""))),
     }
 
 
@@ -266,7 +252,7 @@ def _pretty(text: str) -> str:
     """JSON on several lines; everything else as it is."""
     if not text.startswith("{"):
         return text
-    found = _mapping(text)
+    found = mapping(text)
     return json.dumps(found, indent=2) if found else text
 
 
@@ -276,15 +262,30 @@ def _tiles(summary: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     tiles = []
     if metrics["hover"]:
         hover = max(metrics["hover"], key=lambda one: float(one["duration_s"]))
-        tiles += [(f"hover σ {axis}", _cm(hover[f"sigma_{axis}_m"]), "cm") for axis in "xyz"]
-        tiles += [("hover σ ψ", _deg(hover["sigma_psi_rad"]), "deg")]
-        tiles += [("hover, farthest in the plane", _cm(hover["max_xy_m"]), "cm")]
+        tiles += [(f"hover σ {axis}", number(100.0 * hover[f"sigma_{axis}_m"]), "cm") for axis in "xyz"]
+        tiles += [("hover σ ψ", number(degrees(1.0) * hover["sigma_psi_rad"]), "deg")]
+        tiles += [("hover, farthest in the plane", number(100.0 * hover["max_xy_m"]), "cm")]
     if metrics["steps"]:
         worst = max(float(step["overshoot_percent"]) for step in metrics["steps"])
-        tiles += [("largest overshoot", _number(worst, digits=1), "%")]
+        tiles += [("largest overshoot", number(worst, digits=1), "%")]
     if metrics["rotor"]:
-        tiles += [("rotor speed within", _number(metrics["rotor"]["max_deviation_percent"]), "%")]
+        tiles += [("rotor speed within", number(metrics["rotor"]["max_deviation_percent"]), "%")]
     tiles += [("messages lost", str(origin["lost_messages"]), f"of {origin['messages']:,}")]
     if origin["late_commands"] is not None:
         tiles += [("late commands", str(origin["late_commands"]), "")]
     return tiles
+
+
+def _stages(stages: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Name, times and share of the flight [%] of every stage that takes any time."""
+    whole = sum(stage["duration_s"] for stage in stages)
+    return [
+        {
+            "state": stage["state"],
+            "start": number(stage["start_s"], 1),
+            "duration": number(stage["duration_s"], 1),
+            "share": round(100.0 * stage["duration_s"] / whole, 2),
+        }
+        for stage in stages
+        if stage["duration_s"] > 0.005 * whole
+    ]

@@ -14,17 +14,6 @@ _DEGREE = degrees(1.0)
 _AXES = ("x", "y", "z")
 
 
-def sensor_figures(records: Sequence[FlightRecord], names: Sequence[str]) -> list[Figure]:
-    """The figures of IMU and air of one flight or of several; those without data are left out.
-
-    Args:
-        records: flights, at least one.
-        names: one for each flight.
-    """
-    figures = [imu_figure(records, names), air_figure(records, names)]
-    return [figure for figure in figures if any(panel.curves for panel in figure.panels)]
-
-
 def imu_figure(records: Sequence[FlightRecord], names: Sequence[str]) -> Figure:
     """Biases of the gyros, estimated and true, and the attitude by the IMU alone less the true one.
 

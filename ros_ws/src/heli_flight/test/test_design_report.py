@@ -17,7 +17,7 @@ from heli_control.weights_file import read_weights
 from heli_flight.cli.main import main
 from heli_flight.design_figures import OMEGA, controller_charts
 from heli_flight.design_report import DesignReport, write_design_report
-from heli_flight.design_tables import number, significant
+from heli_flight.page_tables import number, significant
 
 MODEL_FILE = Path(__file__).parents[4] / "heli_control" / "test" / "data" / "hover_model.yaml"
 MODEL = ModelFile.read(MODEL_FILE)

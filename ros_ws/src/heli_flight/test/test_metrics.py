@@ -177,7 +177,7 @@ def test_rotor_speed_and_navigation() -> None:
     metrics = flight_metrics(record_of(still, still))
     assert metrics["rotor"]["max_deviation_percent"] == pytest.approx(2.0)
     assert metrics["rotor"]["reference_rad_s"] == 160.0
-    assert metrics["navigation"]["rms_x_m"] == 0.0
+    assert metrics["estimation"][0]["quantity"] == "x" and metrics["estimation"][0]["rms_m"] == 0.0
 
 
 def test_a_flight_that_never_flew() -> None:

@@ -14,13 +14,15 @@ from heli_common.errors import InputError
 from heli_flight.bag import BagWriter
 from heli_flight.cli import bag as bag_command
 from heli_flight.cli import report as report_command
-from heli_flight.figures import flight_figures
+from heli_flight.figures import flight_figure
 from heli_flight.flight_record import FlightRecord
 from heli_flight.plan import load_plan
 from heli_flight.report import write_report
-from heli_flight.sensor_figures import sensor_figures
 
-PICTURES = {f"{key}.png" for key in ("position", "attitude", "velocity", "commands", "rotor", "hover", "imu")}
+KEYS = {
+    *("steps", "hover", "position", "attitude", "velocity", "commands", "rotor"),
+    *("spectra", "estimation", "imu"),
+}
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +54,8 @@ def plain(page: str) -> str:
 def test_a_whole_flight(flights: Path, tmp_path: Path) -> None:
     report = write_report([flights / "steps"], tmp_path / "out")
     assert report.page == tmp_path / "out" / "report.html"
-    assert {path.name for path in report.pictures} == PICTURES
-    assert all(path.read_bytes().startswith(b"\x89PNG") for path in report.pictures)
+    assert report.pictures == () and not list((tmp_path / "out").glob("*.png"))
+    assert set(re.findall(r'id="plot-(\w+)"', report.page.read_text())) == KEYS
     page = plain(report.page.read_text())
     for words in (
         "hover_steps",
@@ -64,6 +66,10 @@ def test_a_whole_flight(flights: Path, tmp_path: Path) -> None:
         "gust_xy",
         "run_down",
         "heli_controller/2",
+        "Commands against limits",
+        "Errors of the navigation",
+        "Sampling and losses",
+        "The air stood still",
     ):
         assert words in page
     assert "What is missing" not in page
@@ -78,15 +84,21 @@ def test_the_page_needs_nothing_else(flights: Path, tmp_path: Path) -> None:
     assert page == tmp_path / "page.html"
     text = page.read_text()
     assert not re.search(r"<(script|img|iframe)[^>]+src=[\"'](?!data:)", text)
-    assert not re.search(r"<link\b", plain(text))
+    assert not re.search(r"<link[^>]+href=[\"'](?!data:)", plain(text))
     assert "Plotly.newPlot" in text
     for data in re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', text, re.DOTALL):
         assert {"data", "layout"} <= set(json.loads(data))
 
 
 def test_a_static_page_is_small_and_without_scripts(flights: Path, tmp_path: Path) -> None:
-    page = write_report([flights / "other"], tmp_path, static=True).page.read_text()
-    assert "<script" not in page and page.count("data:image/png;base64,") == len(PICTURES)
+    report = write_report([flights / "other"], tmp_path, static=True)
+    page = report.page.read_text()
+    assert "<script" not in page and page.count("data:image/png;base64,") == len(KEYS)
+    assert {path.name for path in report.pictures} == {
+        f"{key}.{kind}" for key in KEYS for kind in ("png", "svg")
+    }
+    starts = {".png": b"\x89PNG", ".svg": b"<?xml"}
+    assert all(path.read_bytes().startswith(starts[path.suffix]) for path in report.pictures)
     assert len(page) < 2_000_000
 
 
@@ -95,6 +107,8 @@ def test_several_flights(flights: Path, tmp_path: Path) -> None:
     assert [summary["name"] for summary in report.summaries] == ["lq", "loop_shaping_2dof"]
     page = plain(report.page.read_text())
     assert "2 flights" in page and "loop_shaping_2dof" in page
+    assert "Parameters that differ" in page and "All parameters are the same." in page
+    assert "loop_shaping_2dof, 95 %" in report.page.read_text()
     same = write_report([flights / "cut", flights / "grounded"], tmp_path / "same", static=True)
     assert [summary["name"] for summary in same.summaries] == ["cut", "grounded"]
 
@@ -104,7 +118,6 @@ def test_several_flights(flights: Path, tmp_path: Path) -> None:
     [
         ("cut", ["topic velocity_reference is empty", "topic rotor is empty", "no hover", "flying"]),
         ("grounded", ["never flying", "no hover", "did not end in stopped but in homing"]),
-        ("empty", ["topic ground_truth is empty", "no hover"]),
     ],
 )
 def test_an_incomplete_flight_says_what_is_missing(
@@ -138,8 +151,7 @@ def test_a_name_cannot_break_the_page(tmp_path: Path) -> None:
 
 def test_figures_hold_limits_and_references(flights: Path) -> None:
     records = [FlightRecord.load(flights / "steps")]
-    figures = {f.key: f for f in (*flight_figures(records, ["steps"]), *sensor_figures(records, ["steps"]))}
-    assert set(figures) == {path.removesuffix(".png") for path in PICTURES}
+    figures = {key: flight_figure(key, records, ["steps"]) for key in ("position", "commands", "rotor")}
     assert [curve.role for curve in figures["position"].panels[2].curves] == [
         "estimate",
         "truth",
@@ -154,7 +166,6 @@ def test_figures_hold_limits_and_references(flights: Path) -> None:
         "landing",
         "run-down",
     ]
-    assert figures["hover"].plane
 
 
 def test_wrong_folders(flights: Path, tmp_path: Path) -> None:
@@ -162,6 +173,12 @@ def test_wrong_folders(flights: Path, tmp_path: Path) -> None:
         write_report([tmp_path / "nothing"], tmp_path)
     with pytest.raises(InputError, match="no bag given"):
         write_report([], tmp_path)
+    with pytest.raises(InputError, match=r"empty: holds no message of a flight"):
+        write_report([flights / "empty"], tmp_path)
+    synthetic.write_flight(tmp_path / "blind", until=15.0, without=("ground_truth",))
+    with pytest.raises(InputError, match=r"blind: cannot be compared: nothing of ground_truth"):
+        write_report([flights / "steps", tmp_path / "blind"], tmp_path)
+    assert not list(tmp_path.glob("*.html"))
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"):
         write_report([flights / "grounded"], tmp_path / "file" / "below", static=True)
@@ -171,6 +188,9 @@ def test_report_command(flights: Path, tmp_path: Path, capsys: pytest.CaptureFix
     assert command("report", str(flights / "other"), "--out", str(tmp_path), "--static") == 0
     out = capsys.readouterr().out
     assert "report.html" in out and "overshoot" in out
+    both = ("report", str(flights / "other"), "--compare", str(flights / "steps"), "--out", str(tmp_path))
+    assert command(*both, "--static", "--json") == 0
+    assert [each["name"] for each in json.loads(capsys.readouterr().out)] == ["loop_shaping_2dof", "lq"]
     assert command("report", str(flights / "grounded"), "--static", "--json") == 0
     (summary,) = json.loads(capsys.readouterr().out)
     assert summary["metrics"]["steps"] == []

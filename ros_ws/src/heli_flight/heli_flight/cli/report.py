@@ -19,9 +19,18 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser = subparsers.add_parser(
         "report",
         help="write the report of a flight from its bag",
-        description="Write report.html, pictures and metrics.json from one bag, or compare several.",
+        description="Write report.html and metrics.json from one bag, or compare several.",
     )
     parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="folder of a bag")
+    parser.add_argument(
+        "--compare",
+        nargs="+",
+        action="extend",
+        default=[],
+        type=Path,
+        metavar="BAG",
+        help="flights to be laid over it; the first one's reference is shown",
+    )
     parser.add_argument(
         "--out",
         type=Path,
@@ -29,7 +38,9 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         help="where to write (default: `report` in the bag's folder, `./report` for several bags)",
     )
     parser.add_argument(
-        "--static", action="store_true", help="pictures instead of interactive plots: a small page"
+        "--static",
+        action="store_true",
+        help="pictures instead of interactive plots: a small page, PNG and SVG beside it",
     )
     parser.add_argument("--json", action="store_true", help="print the figures of merit as JSON")
     parser.set_defaults(func=run)
@@ -39,11 +50,11 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the report and say where it is.
 
     Raises:
-        InputError: a bag is unreadable, or the report cannot be written.
+        InputError: a bag is unreadable, empty or not to be compared, or the report cannot be written.
     """
     from heli_flight.report import write_report  # drawing libraries are slow to load
 
-    bags: list[Path] = arguments.bags
+    bags: list[Path] = [*arguments.bags, *arguments.compare]
     default = bags[0] / "report" if len(bags) == 1 and bags[0].is_dir() else Path("report")
     report = write_report(bags, arguments.out or default, arguments.static)
     if arguments.json:
