@@ -12,13 +12,14 @@ flies all others.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from heli_bench_sim.bench_memory import READING_SIZE
+from heli_bench_sim.simulator import BenchSimulator
 from heli_common import topics
 from heli_common.compiled_messages import read_state
 from heli_common.errors import SafetyStop
@@ -33,7 +34,9 @@ from heli_control.controller_file import ControllerFile
 from heli_control.motor_control import SpeedGovernor
 from heli_control.motor_controller_file import MotorControllerFile, load_motor_controller
 from heli_control.position_control import PositionLaw, PositionParameters
-from heli_flight.components import DEFAULTS, bench_simulator, supervisor
+from heli_flight.components import DEFAULTS, bench_simulator, controllers, identifier, supervisor
+from heli_flight.flight_log import LOGGED, FlightLog, log_of_values
+from heli_flight.in_process import InProcessGraph
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Plan
 from heli_flight.stages import Reference
@@ -57,49 +60,6 @@ _FLAGS = {
     for state in FlightState
 }
 _NOWHERE_DEVIATION = sqrt(UNKNOWN_VARIANCE)
-
-
-@dataclass(eq=False)
-class FlightLog:
-    """What is kept of a flight, a row per control tick.
-
-    Attributes:
-        truth: (n, 6) north, east, down [m], yaw, pitch, roll [rad] as they were.
-        reference: (n, 4) north, east, down [m], yaw [rad] asked for.
-        command: (n, 5) servo command [rad] and control voltage [V].
-        state: (n,) codes of the stages.
-        rotor: (n, 2) reference and measured rotor speed [rad/s].
-        reason: why the flight ended early, or an empty string.
-        remarks: of the bench: where the model did not hold.
-    """
-
-    truth: Array
-    reference: Array
-    command: Array
-    state: NDArray[np.int64]
-    rotor: Array
-    reason: str = ""
-    remarks: dict[str, str] = field(default_factory=dict)
-
-    @classmethod
-    def blank(cls, rows: int) -> FlightLog:
-        """Room for so many ticks."""
-        return cls(
-            np.zeros((rows, 6)),
-            np.zeros((rows, 4)),
-            np.zeros((rows, 5)),
-            np.zeros(rows, dtype=np.int64),
-            np.zeros((rows, 2)),
-        )
-
-    def grown(self, rows: int) -> FlightLog:
-        """The same with room for so many ticks; fewer than before cut it."""
-        larger = FlightLog.blank(rows)
-        kept = min(rows, len(self.state))
-        for name in ("truth", "reference", "command", "state", "rotor"):
-            getattr(larger, name)[:kept] = getattr(self, name)[:kept]
-        larger.reason, larger.remarks = self.reason, self.remarks
-        return larger
 
 
 def is_swift(plan: Plan) -> bool:
@@ -159,7 +119,7 @@ class SwiftFlight:
             self._filter.run(self.bench.bench.reading[None])
             while True:
                 if tick == len(log.state):
-                    log = log.grown(2 * tick)
+                    log = log.resized(2 * tick)
                 self._control_tick(log, tick)
                 tick += 1
                 if self.bench.ended_at is not None:
@@ -171,9 +131,9 @@ class SwiftFlight:
                 reason = self.leader.reason
         except (SafetyStop, ValueError) as error:
             reason = str(error)
-        log = log.grown(tick)
+        log = log.resized(tick)
         log.reason = reason
-        log.remarks = {name: said for name, said in self.bench.remarks().items() if name.startswith("regime")}
+        log.remarks = regime(self.bench)
         return log
 
     def _control_tick(self, log: FlightLog, tick: int) -> None:
@@ -218,3 +178,41 @@ class SwiftFlight:
         if not self._control.step(self._vehicle, (*wanted.position, wanted.heading), rotor, flags):
             require_finite("servo_command", self._control.command.tolist())
         return self._control.command
+
+
+def plain_flight(
+    plan: Plan,
+    seed: int,
+    controller: ControllerFile,
+    values: NodeValues = DEFAULTS,
+    motor: MotorControllerFile | None = None,
+    later: Sequence[ControllerFile] = (),
+) -> FlightLog:
+    """Fly any plan with the components, as `fly_in_process` does, without a bag; arguments as there."""
+    bench, leader = bench_simulator(seed, values, plan, bool(plan.excitations)), supervisor(plan, values)
+    parts = [leader, *controllers(controller, values, later, motor, bool(plan.excitations))]
+    if plan.excitations:
+        parts.append(identifier(plan, values))
+    sent: dict[str, list[tuple[float, ...]]] = {name: [] for name in LOGGED}
+
+    def record(topic: str, stamp_ns: int, data: bytes) -> None:
+        if topic in sent:
+            sent[topic].append(topics.TOPICS[topic].layout.unpack(data)[1])
+
+    graph, reason = InProcessGraph(bench, parts, record), ""
+    try:
+        while bench.ended_at is None:
+            graph.advance()
+        if leader.state is FlightState.FAULT:
+            reason = leader.reason
+    except (SafetyStop, ValueError) as error:
+        reason = str(error)
+    widths = {name: len(topics.TOPICS[name].layout.fields) for name in LOGGED}
+    log = log_of_values({name: np.array(rows).reshape(-1, widths[name]) for name, rows in sent.items()})
+    log.reason, log.remarks = reason, regime(bench)
+    return log
+
+
+def regime(bench: BenchSimulator) -> dict[str, str]:
+    """Where the model did not hold."""
+    return {name: said for name, said in bench.remarks().items() if name.startswith("regime")}
