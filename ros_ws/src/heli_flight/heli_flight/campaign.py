@@ -199,6 +199,6 @@ def _on_cluster(campaign: Campaign, chunks: Sequence[Sequence[int]], address: st
     with client:
         everywhere = client.scatter(campaign, broadcast=True)
         futures = [client.submit(fly_chunk, everywhere, chunk, pure=False) for chunk in chunks]
-        for future in as_completed(futures):
+        for future in as_completed(futures, loop=client.loop):
             yield future.result()
             future.release()
