@@ -211,7 +211,8 @@ def command_shafts(
     require_finite_command((b_1s, a_1s, theta_0, theta_t))
     shafts = np.empty(SERVOS)
     saturated = reach_shafts(b_1s, a_1s, theta_0, theta_t, servo_constants(parameters), shafts)
-    return ServoCommand(tuple(shafts.tolist()), bool(saturated))
+    one, two, three, tail = shafts.tolist()
+    return ServoCommand((one, two, three, tail), bool(saturated))
 
 
 def require_finite_command(command: Sequence[float]) -> None:

@@ -173,8 +173,7 @@ class AttitudeController:
                 linear, angular = twist_from_values(ready["velocity_reference"])
                 self._asked = self._step(state, linear, angular[2])
             command = [
-                faded(idle, asked, self.authority)
-                for idle, asked in zip(self.idle, self._asked, strict=True)
+                faded(idle, asked, self.authority) for idle, asked in zip(self.idle, self._asked, strict=True)
             ]
             if state.known:
                 self._laws.follow(command)

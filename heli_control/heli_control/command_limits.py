@@ -16,15 +16,16 @@ from math import cos, radians, sin
 
 from heli_common.errors import InputError
 from heli_common.topics import SERVO_CHANNELS
+from heli_control.state_space import Numbers, Written
 
 _SERVOS = tuple((cos(radians(azimuth)), sin(radians(azimuth))) for azimuth in (0.0, 120.0, 240.0))
 _ROUNDING = 1e-12
 
 
-def limit_command(
-    command: list[float], lowest: Sequence[float], highest: Sequence[float], neutral: float, reach: float
-) -> None:
-    """Bring a command to what the servos reach, in place, by the rule of this module; compiled code may call it.
+def limit_command(command: Written, lowest: Numbers, highest: Numbers, neutral: float, reach: float) -> None:
+    """Bring a command to what the servos reach, in place, by the rule of this module.
+
+    Compiled code may call it.
 
     Args:
         command: B_1s, A_1s, theta_0, theta_t [rad], overwritten.

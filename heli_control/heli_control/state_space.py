@@ -18,6 +18,12 @@ from heli_common.linear_model import StateSpace
 Array = NDArray[np.float64]
 Rows = tuple[tuple[float, ...], ...]
 
+Numbers = Sequence[float] | Array
+"""Plain numbers in a node, an array in compiled code."""
+Written = list[float] | Array
+"""The same, to be overwritten."""
+Matrix = Sequence[Sequence[float]] | Array
+
 
 class DiscreteBlock:
     """A discrete-time linear system with its state.
@@ -146,7 +152,7 @@ def rows_of(matrix: Array) -> Rows:
     return tuple(tuple(row) for row in matrix.tolist())
 
 
-def product(row: Sequence[float], column: Sequence[float]) -> float:
+def product(row: Numbers, column: Numbers) -> float:
     """Sum of the products, in order; compiled code may call it, as the next two."""
     total = 0.0
     for index in range(len(column)):
@@ -155,11 +161,11 @@ def product(row: Sequence[float], column: Sequence[float]) -> float:
 
 
 def step_block(
-    next_rows: Sequence[Sequence[float]],
-    output_rows: Sequence[Sequence[float]],
-    column: Sequence[float],
-    state: list[float],
-    output: list[float],
+    next_rows: Matrix,
+    output_rows: Matrix,
+    column: Numbers,
+    state: Written,
+    output: Written,
 ) -> None:
     """One step of x+ = A x + B u, y = C x + D u.
 
@@ -176,7 +182,7 @@ def step_block(
         output[index] = product(output_rows[index], column)
 
 
-def add_product(state: list[float], rows: Sequence[Sequence[float]], column: Sequence[float]) -> None:
+def add_product(state: Written, rows: Matrix, column: Numbers) -> None:
     """x + E u, in place.
 
     Args:

@@ -108,7 +108,7 @@ def filter_run(memory: Array, samples: Array, box: Sequence[FilterConstants], wo
         work: scratch in the order of `Work`.
 
     Returns:
-        how many samples were taken; -1 less the index of the one at which the estimate became meaningless.
+        how many samples were taken, negative if the last of them made the estimate meaningless.
     """
     for index in range(len(samples)):
         s = samples[index]

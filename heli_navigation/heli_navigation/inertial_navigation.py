@@ -147,15 +147,10 @@ class InertialNavigation:
         Raises:
             ValueError: a number is not finite.
         """
-        taken = 0
-        if self._known:
-            taken = filter_run(self._memory, samples, self._box, self._work)
-            if taken < 0:
-                taken = -1 - taken
-                self._restarts += 1
-                self._known = False
-                self._await(*_parts(samples[taken]), True)
-                taken += 1
+        taken = filter_run(self._memory, samples, self._box, self._work) if self._known else 0
+        if taken < 0:
+            taken, self._restarts, self._known = -taken, self._restarts + 1, False
+            self._await(*_parts(samples[taken - 1]), True)
         for sample in samples[taken:]:
             self.step(*_parts(sample))
 

@@ -115,7 +115,7 @@ def draw(plan: Plan, vary: Vary, number: int) -> Drawn:
 def cell_values(vary: Vary, cell: int) -> dict[str, Any]:
     """The combination of one cell of the grid; the name written last changes fastest."""
     values: dict[str, Any] = {}
-    for name, given in reversed(vary.grid.items()):
+    for name, given in reversed(list(vary.grid.items())):
         cell, place = divmod(cell, len(given))
         values[name] = given[place]
     return {name: values[name] for name in vary.grid}

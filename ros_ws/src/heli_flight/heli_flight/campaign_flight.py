@@ -16,7 +16,7 @@ from heli_control.controller_file import ControllerFile
 from heli_control.motor_controller_file import MotorControllerFile
 from heli_flight.campaign_draws import Drawn, draw
 from heli_flight.flight_log import FlightLog
-from heli_flight.metrics import ON_THE_STOP, AXES, UNITS, Pose, hover_metrics, hover_start, reference_legs
+from heli_flight.metrics import AXES, ON_THE_STOP, UNITS, Pose, hover_metrics, hover_start, reference_legs
 from heli_flight.plan import Plan
 from heli_flight.swift_flight import SwiftFlight, is_swift, plain_flight
 from heli_flight.vary_file import Vary

@@ -1,4 +1,4 @@
-"""Pictures of a campaign: distribution of the error, success rates, what the error depends on, the grid as a map."""
+"""Pictures of a campaign: distribution of the error, success, what the error depends on, the grid as map."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ def _kind(row: Row) -> str:
     """Why a flight is no success, without its numbers."""
     if row["reason"]:
         words = [word for word in str(row["reason"]).split() if not any(sign.isdigit() for sign in word)]
-        return " ".join(words).rstrip(" at s")
+        return " ".join(words).removesuffix(" s").removesuffix(" at")
     return "touched the stop" if row["touched"] else "too far from the reference"
 
 

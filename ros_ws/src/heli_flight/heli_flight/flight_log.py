@@ -72,7 +72,6 @@ class FlightLog:
             digest.update(np.ascontiguousarray(0.0 + part).tobytes())
         return digest.hexdigest()
 
-
     # As `FlightRecord` gives them, for `metrics` ----------------------------------------------------------
 
     @cached_property

@@ -65,11 +65,16 @@ class Flown(Protocol):
     """What hovers are judged by: a `FlightRecord`, or the pose alone of a flight without a bag."""
 
     @property
-    def truth(self) -> Motion: ...
+    def truth(self) -> Motion:
+        """The motion as it was."""
+
     @property
-    def reference(self) -> tuple[Stamps, Array]: ...
+    def reference(self) -> tuple[Stamps, Array]:
+        """Stamps [ns] and pose reference: north, east, down [m] and yaw [rad], shape (n, 4)."""
+
     @property
-    def stages(self) -> tuple[Stage, ...]: ...
+    def stages(self) -> tuple[Stage, ...]:
+        """The flight's stages one after the other."""
 
 
 class Pose(NamedTuple):

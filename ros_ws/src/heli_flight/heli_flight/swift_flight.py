@@ -34,6 +34,7 @@ from heli_control.controller_file import ControllerFile
 from heli_control.motor_control import SpeedGovernor
 from heli_control.motor_controller_file import MotorControllerFile, load_motor_controller
 from heli_control.position_control import PositionLaw, PositionParameters
+from heli_flight.compiled_control import Flag
 from heli_flight.components import DEFAULTS, bench_simulator, controllers, identifier, supervisor
 from heli_flight.flight_log import LOGGED, FlightLog, log_of_values
 from heli_flight.in_process import InProcessGraph
@@ -41,7 +42,7 @@ from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Plan
 from heli_flight.stages import Reference
 from heli_flight.supervisor import POSITION_VARIANCES
-from heli_flight.swift_control import Flag, SwiftControl
+from heli_flight.swift_control import SwiftControl
 from heli_navigation.differentiator import LowPass
 from heli_navigation.filter_parameters import FilterParameters
 from heli_navigation.inertial_navigation import InertialNavigation
@@ -155,7 +156,9 @@ class SwiftFlight:
         told = (stage, wanted.wind)
         if told != self._told:  # the bench holds what it was told last
             self._told = told
-            bench.receive("flight_state", stamp_ns, flight_state_values(stage, wanted.rotor_speed, wanted.wind))
+            bench.receive(
+                "flight_state", stamp_ns, flight_state_values(stage, wanted.rotor_speed, wanted.wind)
+            )
 
     def _seen(self) -> tuple[VehicleState, float]:
         """What the navigation knows: the vehicle, and the largest deviation of its position [m]."""
@@ -195,7 +198,7 @@ def plain_flight(
         parts.append(identifier(plan, values))
     sent: dict[str, list[tuple[float, ...]]] = {name: [] for name in LOGGED}
 
-    def record(topic: str, stamp_ns: int, data: bytes) -> None:
+    def record(topic: str, _stamp_ns: int, data: bytes) -> None:
         if topic in sent:
             sent[topic].append(topics.TOPICS[topic].layout.unpack(data)[1])
 

@@ -69,9 +69,7 @@ def known_parameters() -> dict[str, Known]:
     for node, groups in NODE_PARAMETERS.items():
         for prefix, group in groups:
             for entry in fields(group):
-                known = Known(
-                    node, f"{prefix}{entry.name}", about(entry), float(getattr(group, entry.name))
-                )
+                known = Known(node, f"{prefix}{entry.name}", about(entry), float(getattr(group, entry.name)))
                 found[known.column] = known
     return found
 

@@ -1,4 +1,4 @@
-"""`heli campaign`: many flights of one plan with parameters, seeds, wind, room, faults, controllers varied."""
+"""`heli campaign`: many flights of one plan; parameters, seeds, wind, room, faults, controllers vary."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ def add_parser(words: Any) -> None:
     parser = words.add_parser(
         "campaign",
         help="fly a plan many times with parameters, seeds, wind, faults and controllers varied",
-        description="Monte Carlo over the flights of a plan, in process; interrupted, the same command goes on "
-        "where it was. Leaves a Parquet file, a summary, pictures and the worst flight (docs/campaigns.md).",
+        description="Monte Carlo over the flights of a plan, in process; interrupted, the same command goes "
+        "on where it was. Leaves a Parquet file, a summary, pictures and the worst flight (docs/campaigns.md).",
     )
     parser.add_argument("plan", help="shipped plan or path of a plan file")
     parser.add_argument("--flights", type=int, required=True, metavar="N", help="how many in all")
@@ -47,11 +47,16 @@ def add_parser(words: Any) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="for everything it leaves")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, default=1, metavar="W", help="processes (default: 1)")
-    where.add_argument("--dask", default="", metavar="ADDRESS", help="of a dask scheduler that has the workers")
+    where.add_argument(
+        "--dask", default="", metavar="ADDRESS", help="of a dask scheduler that has the workers"
+    )
     parser.add_argument("--controller", help="in place of the plan's: shipped controller or controller file")
     parser.add_argument("--motor", default="motor", help="shipped motor controller or its file")
     parser.add_argument(
-        "--check", type=Path, metavar="BAG", help="fly nothing: is this bag the worst flight of FOLDER, bit by bit?"
+        "--check",
+        type=Path,
+        metavar="BAG",
+        help="fly nothing: is this bag the worst flight of FOLDER?",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object in SI")
     parser.set_defaults(func=run)
@@ -117,7 +122,9 @@ def check(bag: Path, worst: Path, as_json: bool) -> int:
     try:
         wanted = json.loads((worst / "flight.json").read_text())
     except OSError:
-        raise InputError("no flight.json", allowed="the folder of a campaign", file=worst, key="--out") from None
+        raise InputError(
+            "no flight.json", allowed="the folder of a campaign", file=worst, key="--out"
+        ) from None
     log = log_of_bag(FlightRecord.load(bag))
     same = log.trace == wanted["trace"]
     found = {"flight": wanted["flight"], "same": same, "trace": wanted["trace"], "of_bag": log.trace}
@@ -125,7 +132,9 @@ def check(bag: Path, worst: Path, as_json: bool) -> int:
         sys.stdout.write(json.dumps(found, indent=2) + "\n")
     else:
         verdict = "the same bits" if same else "another flight"
-        sys.stdout.write(f"flight {wanted['flight']}: {verdict}\ntrace  {wanted['trace']}\nof bag {log.trace}\n")
+        sys.stdout.write(
+            f"flight {wanted['flight']}: {verdict}\ntrace  {wanted['trace']}\nof bag {log.trace}\n"
+        )
     return EXIT_FLOWN if same else EXIT_SAFETY_STOP
 
 
