@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -20,6 +21,7 @@ CONFIDENCE_Z = 1.959963984540054
 """Of a 95 % interval."""
 
 Row = Mapping[str, Any]
+_WHEN, _NUMBER = re.compile(r" at \d+\.\d+ s$"), re.compile(r"-?\d+(?:\.\d+)?")
 
 
 @dataclass(frozen=True)
@@ -110,8 +112,7 @@ def _figures(rows: Sequence[Row]) -> dict[str, Any]:
 def _kind(row: Row) -> str:
     """Why a flight is no success, without its numbers."""
     if row["reason"]:
-        words = [word for word in str(row["reason"]).split() if not any(sign.isdigit() for sign in word)]
-        return " ".join(words).removesuffix(" s").removesuffix(" at")
+        return _NUMBER.sub("..", _WHEN.sub("", str(row["reason"])))
     return "touched the stop" if row["touched"] else "too far from the reference"
 
 
