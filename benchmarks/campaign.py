@@ -1,8 +1,8 @@
-"""A thousand flights of 20 s with full sensors, navigation and control: time, and the same file for any workers.
+"""A thousand flights of 20 s with full sensors, navigation, control: time, and the same file on any workers.
 
 Run: python benchmarks/campaign.py [--flights N] [--workers 1 2] [--dask] [--kill] [--json]. Every row is one
-`heli campaign` as a process of its own, start included. `--kill` kills one at half and goes on; `--dask` flies on a cluster
-of two workers on loopback. The last table says where the time of a flight goes.
+`heli campaign` as a process of its own, start included. `--kill` kills one at half and goes on; `--dask`
+flies on a cluster of two workers on loopback. The last table says where the time of a flight goes.
 """
 
 from __future__ import annotations

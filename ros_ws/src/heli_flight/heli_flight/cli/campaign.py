@@ -39,7 +39,7 @@ def add_parser(words: Any) -> None:
         "campaign",
         help="fly a plan many times with parameters, seeds, wind, faults and controllers varied",
         description="Monte Carlo over the flights of a plan, in process; interrupted, the same command goes "
-        "on where it was. Leaves a Parquet file, a summary, pictures and the worst flight (docs/campaigns.md).",
+        "on where it was. Leaves a Parquet file, a summary, pictures, the worst flight (docs/campaigns.md).",
     )
     parser.add_argument("plan", help="shipped plan or path of a plan file")
     parser.add_argument("--flights", type=int, required=True, metavar="N", help="how many in all")
