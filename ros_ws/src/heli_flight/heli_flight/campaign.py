@@ -14,6 +14,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import closing, nullcontext
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,9 @@ from heli_flight.campaign_flight import Campaign
 JOURNAL = "flights.jsonl"
 CHUNK = 5
 """Flights that a worker takes at once; as many are flown again at most after a kill."""
+
+PATIENCE = "5s"
+"""For which a scheduler is waited for."""
 
 AHEAD = 3
 """Chunks per worker that wait to be flown."""
@@ -116,17 +120,16 @@ def run_campaign(
     Raises:
         InputError: the folder holds another campaign, or no scheduler answers.
     """
-    journal = Journal(folder, campaign)
-    try:
+    with _cluster(dask) if dask else nullcontext() as client, closing(Journal(folder, campaign)) as journal:
         left = [number for number in range(flights) if number not in journal.rows]
         chunks = [left[at : at + CHUNK] for at in range(0, len(left), CHUNK)]
-        tell(flights - len(left), flights)
-        flown = _on_cluster(campaign, chunks, dask) if dask else _on_processes(campaign, chunks, workers)
+        done = flights - len(left)
+        tell(done, flights)
+        flown = _on_cluster(campaign, chunks, client) if dask else _on_processes(campaign, chunks, workers)
         for rows in flown:
             journal.add(rows)
-            tell(sum(number < flights for number in journal.rows), flights)
-    finally:
-        journal.close()
+            done += len(rows)
+            tell(done, flights)
     return [journal.rows[number] for number in range(flights)]
 
 
@@ -187,18 +190,27 @@ def _on_processes(campaign: Campaign, chunks: Sequence[Sequence[int]], workers: 
         pool.shutdown(cancel_futures=True)
 
 
-def _on_cluster(campaign: Campaign, chunks: Sequence[Sequence[int]], address: str) -> Iterator[list[Row]]:
-    """The same by the workers of a dask scheduler, which have this package installed."""
-    from distributed import Client, as_completed
+def _cluster(address: str) -> Any:
+    """A client of a dask scheduler.
+
+    Raises:
+        InputError: no scheduler answers.
+    """
+    from distributed import Client
 
     try:
-        client = Client(address, timeout="10s", set_as_default=False)
+        return Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         allowed = "address of a running scheduler, for example tcp://127.0.0.1:8786"
         raise InputError(f"{address!r}: {error}", allowed=allowed, key="--dask") from None
-    with client:
-        everywhere = client.scatter(campaign, broadcast=True)
-        futures = [client.submit(fly_chunk, everywhere, chunk, pure=False) for chunk in chunks]
-        for future in as_completed(futures, loop=client.loop):
-            yield future.result()
-            future.release()
+
+
+def _on_cluster(campaign: Campaign, chunks: Sequence[Sequence[int]], client: Any) -> Iterator[list[Row]]:
+    """The same by the workers of a dask scheduler, which have this package installed."""
+    from distributed import as_completed
+
+    everywhere = client.scatter(campaign, broadcast=True)
+    futures = [client.submit(fly_chunk, everywhere, chunk, pure=False) for chunk in chunks]
+    for future in as_completed(futures, loop=client.loop):
+        yield future.result()
+        future.release()

@@ -100,6 +100,30 @@ def test_resumed_after_a_cut_line_by_two_processes_it_gives_the_same_file(
     assert (folder / "flights.parquet").read_bytes() == (flown / "flights.parquet").read_bytes()
 
 
+def test_a_dask_cluster_of_two_workers_gives_the_same_file(flown: Path, tmp_path: Path) -> None:
+    from distributed import LocalCluster
+
+    campaign, folder = campaign_of(), tmp_path / "cluster"
+    with LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        processes=False,
+        protocol="tcp://",
+        host="127.0.0.1",
+        dashboard_address=None,
+    ) as cluster:
+        rows = run_campaign(campaign, FLIGHTS, folder, silent, dask=cluster.scheduler_address)
+    write_results(folder, rows, campaign)
+    assert (folder / "flights.parquet").read_bytes() == (flown / "flights.parquet").read_bytes()
+
+
+def test_a_scheduler_that_is_not_there_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine, "PATIENCE", "0.5s")
+    with pytest.raises(InputError, match=r"--dask: 'nowhere:1'"):
+        run_campaign(campaign_of(), FLIGHTS, tmp_path / "none", silent, dask="nowhere:1")
+    assert not (tmp_path / "none").exists()
+
+
 def test_another_campaign_and_a_used_folder_are_refused(flown: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="holds another campaign"):
         run_campaign(campaign_of(VARY + "seed: 2\n"), FLIGHTS, flown, silent)

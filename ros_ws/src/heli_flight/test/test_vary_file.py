@@ -46,8 +46,10 @@ def test_everything_is_drawn_within_its_range() -> None:
     winds = np.array([flight.varied["wind_m_s"] for flight in flights])
     assert 0.0 <= winds.min() < 0.1 and 2.9 < winds.max() <= 3.0
     assert all(flight.plan.phases[3].wind == flight.varied["wind_m_s"] for flight in flights)
-    masses = np.array([flight.varied["bench_sim.helicopter.mass"] for flight in flights]) / 7.7
-    assert np.std(masses) == pytest.approx(0.03 * masses.mean(), rel=0.2)
+    masses = np.array([flight.varied["bench_sim.helicopter.mass"] for flight in flights]) / 7.3
+    assert np.mean(masses) == pytest.approx(1.0, abs=0.006) and np.std(masses) == pytest.approx(
+        0.03, rel=0.15
+    )
     gains = [flight.parameters["position_controller"]["gain_x"] for flight in flights]
     assert np.mean(np.log(gains)) == pytest.approx(0.5 * math.log(1.5 * 2.5), abs=0.05)
     assert 60 < sum(bool(flight.faults) for flight in flights) < 120
