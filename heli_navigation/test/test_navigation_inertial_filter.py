@@ -257,3 +257,23 @@ def test_it_gives_the_same_numbers_twice() -> None:
     assert np.array_equal(covariance, covariance.T)
     covariance[:] = 0.0  # a copy
     assert first.covariance.any()
+
+
+def test_several_samples_at_once_are_the_same_as_one_after_the_other() -> None:
+    """Bit for bit: before it begins, while an encoder is not indexed, and after the estimate was lost."""
+    flight = fly(4, 3.0, still=1.0)
+    counts = np.rint(flight.angles / RADIAN_PER_COUNT)
+    samples = np.hstack([counts, np.ones_like(counts), flight.gyro, flight.force, np.zeros((len(counts), 1))])
+    samples[:160, 8] = 0.0
+    samples[800:803, 9] = 0.0
+    one, many = new(), new()
+    for first in range(0, len(samples), 4):
+        if first == 1000:  # both lose their estimate
+            one._memory[3] = many._memory[3] = np.inf
+        for row in samples[first : first + 4].tolist():
+            angles = [count * RADIAN_PER_COUNT for count in row[:6]]
+            one.step(angles[:3], angles[3:], row[6:12], row[12:15], row[15:18])
+        many.run(samples[first : first + 4])
+        np.testing.assert_array_equal(one._memory, many._memory)
+        assert one.health == many.health
+    assert one.known and one.health.restarts == 1
