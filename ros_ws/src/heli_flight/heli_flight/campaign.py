@@ -194,15 +194,22 @@ def _cluster(address: str) -> Any:
     """A client of a dask scheduler.
 
     Raises:
-        InputError: no scheduler answers.
+        InputError: no scheduler answers, or one of its workers has other sources.
     """
     from distributed import Client
 
     try:
-        return Client(address, timeout=PATIENCE, set_as_default=False)
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         allowed = "address of a running scheduler, for example tcp://127.0.0.1:8786"
         raise InputError(f"{address!r}: {error}", allowed=allowed, key="--dask") from None
+    own = source_hash()
+    for worker, other in client.run(source_hash).items():
+        if other != own:
+            client.close()
+            problem = f"worker {worker} has other sources of these packages"
+            raise InputError(problem, allowed="the same version everywhere", key="--dask")
+    return client
 
 
 def _on_cluster(campaign: Campaign, chunks: Sequence[Sequence[int]], client: Any) -> Iterator[list[Row]]:
