@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from heli_common.finite import require_finite
 from heli_common.records import boxed, packed
-from heli_common.rig_geometry import ENCODER_NAMES, RADIAN_PER_COUNT, RigGeometry
+from heli_common.rig_geometry import ENCODER_NAMES, RigGeometry
 from heli_common.rotations import Euler, Vector3
 from heli_common.topics import TOPICS
 from heli_common.vehicle_state import NOWHERE, VehicleState, swap_body
-from heli_navigation.beginning import FirstRest, first_memory
+from heli_navigation.beginning import FirstRest, first_memory, sensor_parts
 from heli_navigation.filter_memory import SIZE, Memory, Work, blank_memory
 from heli_navigation.filter_outputs import (
     TWIST,
@@ -30,6 +30,7 @@ from heli_navigation.filter_outputs import (
     read_covariance,
     read_motion,
     read_odometry,
+    read_vehicle,
 )
 from heli_navigation.filter_parameters import FilterConstants, FilterParameters, filter_constants
 from heli_navigation.inertial_filter import filter_run, filter_step
@@ -150,9 +151,9 @@ class InertialNavigation:
         taken = filter_run(self._memory, samples, self._box, self._work) if self._known else 0
         if taken < 0:
             taken, self._restarts, self._known = -taken, self._restarts + 1, False
-            self._await(*_parts(samples[taken - 1]), True)
+            self._await(*sensor_parts(samples[taken - 1]), True)
         for sample in samples[taken:]:
-            self.step(*_parts(sample))
+            self.step(*sensor_parts(sample))
 
     def skip(self, samples: int) -> None:
         """Go on over samples that never came, by what was known before them.
@@ -198,6 +199,10 @@ class InertialNavigation:
         values = np.empty(_ODOMETRY)
         read_odometry(self._memory, self._box, self._work, self._rows, self._out, values)
         return values
+
+    def see(self, state: Array) -> bool:
+        """What that tells a supervisor, see `read_vehicle`; only while `known`."""
+        return bool(read_vehicle(self._memory, self._box, self._work, self._rows, self._out, state))
 
     @property
     def biases(self) -> Array:
@@ -288,13 +293,6 @@ class InertialNavigation:
         for start, end in _COUNTERS:  # what has happened stays known
             memory[start:end] = self._memory[start:end]
         self._memory, self._known = memory, True
-
-
-def _parts(sample: Array) -> tuple[list[float], list[float], list[float], list[float], list[float]]:
-    """Arms, gimbal, flags, rates and forces of one sample of `InertialNavigation.run`."""
-    s: list[float] = sample.tolist()
-    angles = [count * RADIAN_PER_COUNT for count in s[0:6]]
-    return angles[0:3], angles[3:6], s[6:12], s[12:15], s[15:18]
 
 
 def _vector(values: Sequence[float]) -> Vector3:

@@ -7,6 +7,7 @@ import pytest
 from synthetic_motion import GEOMETRY, INDEXED, PERIOD, feed, fly, nees
 
 from heli_common.rig_geometry import RADIAN_PER_COUNT
+from heli_common.vehicle_state import state_from_odometry
 from heli_navigation.filter_parameters import FilterParameters
 from heli_navigation.inertial_navigation import InertialNavigation
 
@@ -277,3 +278,15 @@ def test_several_samples_at_once_are_the_same_as_one_after_the_other() -> None:
         np.testing.assert_array_equal(one._memory, many._memory)
         assert one.health == many.health
     assert one.known and one.health.restarts == 1
+
+
+def test_a_supervisor_sees_what_an_odometry_tells() -> None:
+    """Bit for bit, though the way back from a quaternion moves the angles by a bit."""
+    flight = fly(5, 2.0, still=1.0)
+    navigation, seen = new(), np.zeros(15)
+    feed(navigation, flight, range(len(flight)))
+    assert navigation.see(seen)
+    values = navigation.odometry.tolist()
+    known = state_from_odometry(values)
+    assert seen[:12].tolist() == [*known.position, *known.attitude, *known.velocity, *known.rates]
+    assert seen[12:].tolist() == [values[14], values[7], values[21]]

@@ -87,25 +87,6 @@ def read_pose(values: Array, pose: Array) -> bool:
 
 
 @compiled
-def read_state(values: Array, state: Array) -> bool:
-    """What `state_from_odometry` reads, but for whether the pose is known.
-
-    Args:
-        values: (85,) numbers of an Odometry in ENU/FLU.
-        state: (12,) receives position in earth NED [m]; yaw, pitch, roll [rad]; velocity [m/s] and rates
-            [rad/s] in body FRD.
-
-    Returns:
-        False, and nothing written, if the quaternion is zero or not finite.
-    """
-    if not read_pose(values, state):
-        return False
-    state[6], state[7], state[8] = swap_body((values[43], values[44], values[45]))
-    state[9], state[10], state[11] = swap_body((values[46], values[47], values[48]))
-    return True
-
-
-@compiled
 def write_pose(position: tuple[float, float, float], attitude: Euler, values: Array) -> None:
     """The numbers of a PoseStamped (layout `pose_stamped`) in ENU/FLU.
 

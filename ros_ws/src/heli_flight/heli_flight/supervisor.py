@@ -26,10 +26,9 @@ COMMANDS: dict[str, tuple[Phase, ...]] = {
 """What each service makes the bench do, beside `stop`."""
 
 
-POSITION_VARIANCES = tuple(
+_POSITION_VARIANCES = tuple(
     TOPICS["odometry"].layout.fields.index(f"pose_covariance[{place}]") for place in (0, 7, 14)
 )
-"""Where an odometry message has the variances of its position."""
 
 
 class Supervisor:
@@ -73,7 +72,7 @@ class Supervisor:
         if joined is None:
             return []
         vehicle = state_from_odometry(joined["odometry"])
-        variance = max(joined["odometry"][place] for place in POSITION_VARIANCES)
+        variance = max(joined["odometry"][place] for place in _POSITION_VARIANCES)
         self.act(stamp_ns, vehicle, joined["rotor_state"][1], math.sqrt(variance))
         return self._messages(stamp_ns)
 

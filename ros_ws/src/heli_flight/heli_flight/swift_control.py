@@ -100,7 +100,7 @@ class SwiftControl:
         """The commands of one control period; False if one of them is not finite.
 
         Args:
-            state: (12,) see `heli_common.compiled_messages.read_state`.
+            state: (12 or more,) see `heli_navigation.filter_outputs.read_vehicle`.
             reference: north, east, down [m], yaw [rad].
             rotor: reference and measured speed [rad/s].
             flags: sum of `Flag`.

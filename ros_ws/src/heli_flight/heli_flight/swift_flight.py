@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from heli_bench_sim.bench_memory import READING_SIZE
 from heli_bench_sim.simulator import BenchSimulator
 from heli_common import topics
-from heli_common.compiled_messages import read_state
 from heli_common.errors import SafetyStop
 from heli_common.finite import require_finite
 from heli_common.flight_state import FlightState, flight_state_values
@@ -41,7 +40,6 @@ from heli_flight.in_process import InProcessGraph
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Plan
 from heli_flight.stages import Reference
-from heli_flight.supervisor import POSITION_VARIANCES
 from heli_flight.swift_control import SwiftControl
 from heli_navigation.differentiator import LowPass
 from heli_navigation.filter_parameters import FilterParameters
@@ -52,7 +50,6 @@ Array = NDArray[np.float64]
 
 _SAMPLES = CONTROL_PERIOD_NS // SENSOR_PERIOD_NS
 _HALF = _SAMPLES // 2
-_FIRST, _SECOND, _THIRD = POSITION_VARIANCES
 _KNOWN, _DRIVEN = int(Flag.known), int(Flag.driven)
 _FLAGS = {
     state: int(Flag.controlled) * state.controlled
@@ -106,7 +103,7 @@ class SwiftFlight:
             controller,
             SpeedGovernor((motor or load_motor_controller("motor")).parameters),
         )
-        self._vehicle: Array = np.zeros(12)
+        self._vehicle: Array = np.zeros(15)
         self._samples: Array = np.empty((_SAMPLES, READING_SIZE))
         self._told: tuple[FlightState, float] | None = None
         self._expected = round(plan.duration / CONTROL_PERIOD) + 1
@@ -164,13 +161,12 @@ class SwiftFlight:
         """What the navigation knows: the vehicle, and the largest deviation of its position [m]."""
         if not self._filter.known:
             return NOWHERE, _NOWHERE_DEVIATION
-        values = self._filter.odometry
-        if not read_state(values, self._vehicle):
-            require_finite("odometry", values.tolist())
-        x, y, z, psi, theta, phi, u, v, w, p, q, r = self._vehicle.tolist()
-        variance = max(values[_FIRST], values[_SECOND], values[_THIRD])
-        known = bool(values[_FIRST] < 0.5 * UNKNOWN_VARIANCE)
-        return VehicleState((x, y, z), Euler(psi, theta, phi), (u, v, w), (p, q, r), known), sqrt(variance)
+        if not self._filter.see(self._vehicle):
+            require_finite("odometry", self._filter.odometry.tolist())
+        x, y, z, psi, theta, phi, u, v, w, p, q, r, *variances = self._vehicle.tolist()
+        known = variances[1] < 0.5 * UNKNOWN_VARIANCE  # east, the first in a message
+        vehicle = VehicleState((x, y, z), Euler(psi, theta, phi), (u, v, w), (p, q, r), known)
+        return vehicle, sqrt(max(variances))
 
     def _command(self, wanted: Reference, stage: FlightState, known: bool, rotor_speed: float) -> Array:
         """(5,) servo command [rad] and control voltage [V]."""
