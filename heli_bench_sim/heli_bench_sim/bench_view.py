@@ -34,6 +34,8 @@ class BenchView:
         self.parameters = parameters
         self._constants = bench_constants(parameters)
         self._box = boxed(self._constants)
+        # a record within a record is slow to reach
+        self._stop, self._helicopter = self._constants.stop, self._constants.helicopter
         self._memory = blank_memory()
         self._state = self._memory[Memory.state : Memory.slope]
         self._command = self._memory[Memory.command : Memory.air]
@@ -71,6 +73,11 @@ class BenchView:
         return self._command.copy()
 
     @property
+    def pose(self) -> Array:
+        """(6,) north, east, down [m], yaw, pitch, roll [rad]."""
+        return self._state[State.x : State.phi + 1].copy()
+
+    @property
     def position(self) -> Vector3:
         """Centre of gravity, NED from the flight-space centre [m]."""
         return self._three(State.x, State.y, State.z)
@@ -99,7 +106,7 @@ class BenchView:
     def normal_force(self) -> float:
         """Force of the lower stop on the helicopter [N]; 0 in flight."""
         down = rigid_body.earth_from_body(*self.velocity, *self.attitude)[2]
-        return float(lower_stop.normal_force(float(self._state[State.z]), down, self._constants.stop))
+        return float(lower_stop.normal_force(float(self._state[State.z]), down, self._stop))
 
     @property
     def on_stop(self) -> bool:
@@ -138,14 +145,19 @@ class BenchView:
     @property
     def loads(self) -> Loads:
         """Thrusts, torques and current now."""
-        return helicopter.loads(self._state, self._inputs(), self._air, self._constants.helicopter)
+        return helicopter.loads(self._state, self._inputs(), self._air, self._helicopter)
 
     @property
     def violations(self) -> tuple[Violation, ...]:
         """Where the model leaves the regime it was identified in."""
-        return violations(self._state, self._inputs(), self._air, self._constants.helicopter)
+        return violations(self._state, self._inputs(), self._air, self._helicopter)
 
     # Readings ------------------------------------------------------------------------------------------
+
+    @property
+    def reading(self) -> Array:
+        """(19,) what the sensors said at the latest sample, in the columns of `Reading`."""
+        return self._reading.copy()
 
     def encoder_reading(self) -> EncoderReading:
         """The encoders' latest sample."""

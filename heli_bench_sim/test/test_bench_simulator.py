@@ -126,3 +126,30 @@ def test_standing_with_a_slow_rotor_is_no_violation() -> None:
     simulator = BenchSimulator(Bench())
     fly(simulator, 2 * CONTROL_PERIOD_NS // SENSOR_PERIOD_NS, (0.0, 0.0, 0.0, 0.1))
     assert simulator.left_regime == {}
+
+
+def test_two_samples_at_once_are_the_same_as_two_ticks() -> None:
+    """Motion, readings, late commands and regime; commands act where they would."""
+    one, two = hovering(), hovering()
+    for simulator in (one, two):
+        simulator.tick()
+    for period in range(30):
+        servo = (LEVEL[0] + 0.001 * period, *LEVEL[1:])
+        for simulator in (one, two):
+            stamp = simulator.stamp_ns
+            simulator.receive("servo_command", stamp, servo)
+            simulator.receive("motor_command", stamp, (0.0, 0.0, HOVER.U_mot))
+            simulator.receive("flight_state", stamp, flight_state_values(FlightState.FLYING, 163.0, 1.0))
+        rows = []
+        for _ in range(4):
+            one.tick()
+            rows.append(one.bench.reading)
+        readings = [*two.run(2), *two.run(2)]
+        assert [row.tolist() for row in rows] == [row.tolist() for row in readings]
+        assert one.stamp_ns == two.stamp_ns and one.bench.memory.tolist() == two.bench.memory.tolist()
+    assert one.remarks() == two.remarks()
+
+
+def test_the_first_sample_is_no_run() -> None:
+    with pytest.raises(ValueError, match=r"taken by tick\(\)"):
+        hovering().run(2)

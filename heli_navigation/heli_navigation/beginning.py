@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_common.rig_geometry import RigGeometry
+from heli_common.rig_geometry import RADIAN_PER_COUNT, RigGeometry
 from heli_common.rotations import Vector3
 from heli_navigation.arm_kinematics import arm_jacobian, position_from_arms
 from heli_navigation.filter_memory import SIZE, Estimate, Memory, Work, blank_memory
@@ -134,3 +134,14 @@ def lever_slope(lever: Array, body: Array) -> Array:
     right = np.array([-body[1, 0], body[0, 0], 0.0]) / math.hypot(body[0, 0], body[1, 0])
     axes = (np.array([0.0, 0.0, 1.0]), right, body[:, 0])
     return np.stack([np.cross(axis, lever) for axis in axes], axis=1)
+
+
+def sensor_parts(sample: Array) -> tuple[list[float], list[float], list[float], list[float], list[float]]:
+    """Angles of arms and gimbal [rad], flags, rates and forces of one sample of `InertialNavigation.run`.
+
+    Args:
+        sample: (18 or more,) counts first.
+    """
+    s: list[float] = sample.tolist()
+    angles = [count * RADIAN_PER_COUNT for count in s[0:6]]
+    return angles[0:3], angles[3:6], s[6:12], s[12:15], s[15:18]

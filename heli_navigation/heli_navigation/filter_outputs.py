@@ -17,8 +17,9 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_common.compiled import compiled
-from heli_common.compiled_messages import write_odometry
+from heli_common.compiled import compiled, equation
+from heli_common.compiled_messages import read_pose, write_odometry, write_pose
+from heli_common.rotations import Euler
 from heli_common.vehicle_state import swap_body
 from heli_navigation.corrections import locate
 from heli_navigation.filter_memory import ENCODERS, SIZE, Estimate, Memory, Work
@@ -139,6 +140,36 @@ def read_odometry(
 
 
 @compiled
+def read_vehicle(
+    memory: Array, box: Sequence[FilterConstants], work: Array, rows: Array, out: Array, state: Array
+) -> bool:
+    """What an Odometry tells a supervisor, without its other numbers: bit for bit what comes out of one.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`.
+        box: constants of the filter, boxed.
+        work: scratch in the order of `Work`.
+        rows: (90,) scratch.
+        out: (84,) in the parts of `Output`, written but for the covariances.
+        state: (15,) receives position [m], yaw, pitch, roll [rad], velocity [m/s], rates [rad/s], variances
+            of the position north, east, down [m^2].
+
+    Returns:
+        False if the attitude is not finite.
+    """
+    read_motion(memory, box, work, out)
+    _pose_rows(work, rows)
+    covariance = memory[Memory.covariance : Memory.gyro]
+    for axis in range(3):
+        state[12 + axis] = _entry(covariance, rows, axis, axis)
+    for index in range(12):
+        state[index] = out[index]
+    pose = rows[:7]
+    write_pose((out[0], out[1], out[2]), Euler(out[3], out[4], out[5]), pose)
+    return read_pose(pose, state)
+
+
+@compiled
 def read_biases(memory: Array, box: Sequence[FilterConstants], values: Array) -> None:
     """Biases of the IMU and how well they are known; without IMU the gyros' are those from before, and walk.
 
@@ -248,13 +279,19 @@ def _through(covariance: Array, rows: Array, out: Array, first: int) -> None:
     """T P T', 6 x 6, of six rows of which most entries are zero."""
     for row in range(TWIST):
         for column in range(row + 1):
-            total = 0.0
-            for i in range(SIZE):
-                left = rows[SIZE * row + i]
-                if left != 0.0:
-                    part = 0.0
-                    for j in range(SIZE):
-                        part += covariance[SIZE * i + j] * rows[SIZE * column + j]
-                    total += left * part
+            total = _entry(covariance, rows, row, column)
             out[first + TWIST * row + column] = total
             out[first + TWIST * column + row] = total
+
+
+@equation
+def _entry(covariance: Array, rows: Array, row: int, column: int) -> float:
+    total = 0.0
+    for i in range(SIZE):
+        left = rows[SIZE * row + i]
+        if left != 0.0:
+            part = 0.0
+            for j in range(SIZE):
+                part += covariance[SIZE * i + j] * rows[SIZE * column + j]
+            total += left * part
+    return total

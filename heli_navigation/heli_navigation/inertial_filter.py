@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heli_common.compiled import compiled
+from heli_common.rig_geometry import RADIAN_PER_COUNT
 from heli_navigation.alignment import leave_stand, stand
 from heli_navigation.coasting import begin_coast, end_coast
 from heli_navigation.corrections import correct
@@ -93,6 +94,47 @@ def filter_step(
         leave_stand(memory)
     _predict(memory, gyro_x, gyro_y, gyro_z, force_x, force_y, force_z, imu_valid, c, work)
     return correct(memory, c, work) and judge(memory, work[_PLACE + 2], work, c)
+
+
+@compiled
+def filter_run(memory: Array, samples: Array, box: Sequence[FilterConstants], work: Array) -> int:
+    """Take in samples one after the other while all encoders are indexed and the estimate means something.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`, overwritten; begun by `first_memory`.
+        samples: (n, 18 or more) six counts, six flags of the index pulses, three rates [rad/s] and three
+            specific forces [m/s^2], all of them measured.
+        box: constants of the filter, boxed.
+        work: scratch in the order of `Work`.
+
+    Returns:
+        how many samples were taken, negative if the last of them made the estimate meaningless.
+    """
+    for index in range(len(samples)):
+        s = samples[index]
+        for encoder in range(ENCODERS):
+            if s[ENCODERS + encoder] < 0.5:
+                return index
+        if not filter_step(
+            memory,
+            s[0] * RADIAN_PER_COUNT,
+            s[1] * RADIAN_PER_COUNT,
+            s[2] * RADIAN_PER_COUNT,
+            s[3] * RADIAN_PER_COUNT,
+            s[4] * RADIAN_PER_COUNT,
+            s[5] * RADIAN_PER_COUNT,
+            s[12],
+            s[13],
+            s[14],
+            s[15],
+            s[16],
+            s[17],
+            True,
+            box,
+            work,
+        ):
+            return -1 - index
+    return len(samples)
 
 
 @compiled

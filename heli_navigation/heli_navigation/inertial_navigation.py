@@ -19,7 +19,7 @@ from heli_common.rig_geometry import ENCODER_NAMES, RigGeometry
 from heli_common.rotations import Euler, Vector3
 from heli_common.topics import TOPICS
 from heli_common.vehicle_state import NOWHERE, VehicleState, swap_body
-from heli_navigation.beginning import FirstRest, first_memory
+from heli_navigation.beginning import FirstRest, first_memory, sensor_parts
 from heli_navigation.filter_memory import SIZE, Memory, Work, blank_memory
 from heli_navigation.filter_outputs import (
     TWIST,
@@ -30,9 +30,10 @@ from heli_navigation.filter_outputs import (
     read_covariance,
     read_motion,
     read_odometry,
+    read_vehicle,
 )
 from heli_navigation.filter_parameters import FilterConstants, FilterParameters, filter_constants
-from heli_navigation.inertial_filter import filter_step
+from heli_navigation.inertial_filter import filter_run, filter_step
 
 Array = NDArray[np.float64]
 
@@ -137,6 +138,23 @@ class InertialNavigation:
             self._known = False
             self._await(arms, gimbal, indexed, gyro, accelerometer, imu_valid)
 
+    def run(self, samples: Array) -> None:
+        """Take in several samples whose IMU is sound: as `step` one after the other, in one call.
+
+        Args:
+            samples: (n, 18 or more) counts of arms and gimbal; 1 for each encoder that has passed its index;
+                body rates, FRD [rad/s]; specific force at the IMU, FRD [m/s^2]; more is not read.
+
+        Raises:
+            ValueError: a number is not finite.
+        """
+        taken = filter_run(self._memory, samples, self._box, self._work) if self._known else 0
+        if taken < 0:
+            taken, self._restarts, self._known = -taken, self._restarts + 1, False
+            self._await(*sensor_parts(samples[taken - 1]), True)
+        for sample in samples[taken:]:
+            self.step(*sensor_parts(sample))
+
     def skip(self, samples: int) -> None:
         """Go on over samples that never came, by what was known before them.
 
@@ -181,6 +199,10 @@ class InertialNavigation:
         values = np.empty(_ODOMETRY)
         read_odometry(self._memory, self._box, self._work, self._rows, self._out, values)
         return values
+
+    def see(self, state: Array) -> bool:
+        """What that tells a supervisor, see `read_vehicle`; only while `known`."""
+        return bool(read_vehicle(self._memory, self._box, self._work, self._rows, self._out, state))
 
     @property
     def biases(self) -> Array:

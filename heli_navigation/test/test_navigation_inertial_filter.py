@@ -7,6 +7,7 @@ import pytest
 from synthetic_motion import GEOMETRY, INDEXED, PERIOD, feed, fly, nees
 
 from heli_common.rig_geometry import RADIAN_PER_COUNT
+from heli_common.vehicle_state import state_from_odometry
 from heli_navigation.filter_parameters import FilterParameters
 from heli_navigation.inertial_navigation import InertialNavigation
 
@@ -257,3 +258,35 @@ def test_it_gives_the_same_numbers_twice() -> None:
     assert np.array_equal(covariance, covariance.T)
     covariance[:] = 0.0  # a copy
     assert first.covariance.any()
+
+
+def test_several_samples_at_once_are_the_same_as_one_after_the_other() -> None:
+    """Bit for bit: before it begins, while an encoder is not indexed, and after the estimate was lost."""
+    flight = fly(4, 3.0, still=1.0)
+    counts = np.rint(flight.angles / RADIAN_PER_COUNT)
+    samples = np.hstack([counts, np.ones_like(counts), flight.gyro, flight.force, np.zeros((len(counts), 1))])
+    samples[:160, 8] = 0.0
+    samples[800:803, 9] = 0.0
+    one, many = new(), new()
+    for first in range(0, len(samples), 4):
+        if first == 1000:  # both lose their estimate
+            one._memory[3] = many._memory[3] = np.inf
+        for row in samples[first : first + 4].tolist():
+            angles = [count * RADIAN_PER_COUNT for count in row[:6]]
+            one.step(angles[:3], angles[3:], row[6:12], row[12:15], row[15:18])
+        many.run(samples[first : first + 4])
+        np.testing.assert_array_equal(one._memory, many._memory)
+        assert one.health == many.health
+    assert one.known and one.health.restarts == 1
+
+
+def test_a_supervisor_sees_what_an_odometry_tells() -> None:
+    """Bit for bit, though the way back from a quaternion moves the angles by a bit."""
+    flight = fly(5, 2.0, still=1.0)
+    navigation, seen = new(), np.zeros(15)
+    feed(navigation, flight, range(len(flight)))
+    assert navigation.see(seen)
+    values = navigation.odometry.tolist()
+    known = state_from_odometry(values)
+    assert seen[:12].tolist() == [*known.position, *known.attitude, *known.velocity, *known.rates]
+    assert seen[12:].tolist() == [values[14], values[7], values[21]]

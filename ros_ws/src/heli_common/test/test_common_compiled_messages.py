@@ -5,10 +5,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from heli_common.compiled_messages import write_imu_attitude, write_odometry
+from heli_common.compiled_messages import (
+    read_pose,
+    write_imu_attitude,
+    write_odometry,
+    write_pose,
+)
 from heli_common.rotations import Euler
 from heli_common.topics import TOPICS
-from heli_common.vehicle_state import VehicleState, imu_from_values, odometry_values, quaternion_enu
+from heli_common.vehicle_state import (
+    VehicleState,
+    imu_from_values,
+    odometry_values,
+    pose_from_values,
+    pose_values,
+    quaternion_enu,
+)
 
 ODOMETRY = TOPICS["odometry"].layout.fields
 IMU = TOPICS["imu_attitude"].layout.fields
@@ -65,3 +77,24 @@ def test_attitude_by_the_imu_has_the_same_quaternion_and_rates(attitude, rates):
     assert values[16:25].reshape(3, 3).tolist() == (4.0 * np.eye(3)).tolist()
     assert values[IMU.index("linear_acceleration_covariance[0]")] == pytest.approx(-1.0)
     assert np.isfinite(values).all()
+
+
+@settings(deadline=None, max_examples=50)
+@given(VECTOR, EULER)
+def test_poses_are_written_and_read_as_by_vehicle_state(position, attitude):
+    pose, written = np.full(6, np.nan), np.full(7, np.nan)
+    write_pose(position, attitude, written)
+    assert written.tolist() == list(pose_values(position, attitude))
+    assert read_pose(written, pose)
+    place, angles = pose_from_values(written.tolist())
+    assert pose.tolist() == [*place, *angles]
+
+
+def test_what_is_no_rotation_is_not_read():
+    values, pose = np.zeros(7), np.full(6, 7.0)
+    for quaternion in ((0.0, 0.0, 0.0, 0.0), (np.nan, 0.0, 0.0, 1.0)):
+        values[3:7] = quaternion
+        assert not read_pose(values, pose)
+        with pytest.raises(ValueError, match="is no rotation"):
+            pose_from_values(values.tolist())
+    assert (pose == 7.0).all()

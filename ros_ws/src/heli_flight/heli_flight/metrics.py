@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from heli_common.flight_state import FlightState
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import data_topics
-from heli_flight.flight_record import Array, FlightRecord, Stamps, seconds
+from heli_flight.flight_record import Array, FlightRecord, Motion, Stage, Stamps, seconds
 from heli_flight.flight_statistics import command_metrics, controlled, estimation_metrics, wind_metrics
 
 AXES = ("x", "y", "z", "psi")
@@ -61,6 +61,30 @@ class Leg:
         return (self.end_ns - self.start_ns) * 1e-9
 
 
+class Flown(Protocol):
+    """What hovers are judged by: a `FlightRecord`, or the pose alone of a flight without a bag."""
+
+    @property
+    def truth(self) -> Motion:
+        """The motion as it was."""
+
+    @property
+    def reference(self) -> tuple[Stamps, Array]:
+        """Stamps [ns] and pose reference: north, east, down [m] and yaw [rad], shape (n, 4)."""
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """The flight's stages one after the other."""
+
+
+class Pose(NamedTuple):
+    """`Flown` from arrays at hand."""
+
+    truth: Motion
+    reference: tuple[Stamps, Array]
+    stages: tuple[Stage, ...]
+
+
 def flight_metrics(record: FlightRecord) -> dict[str, Any]:
     """All figures of merit as plain numbers, texts, lists and mappings, ready for JSON."""
     stages = record.stages
@@ -102,7 +126,7 @@ def flight_metrics(record: FlightRecord) -> dict[str, Any]:
 _NEEDED = tuple(name for name in data_topics() if name not in ("encoders", "rotor_state"))
 
 
-def reference_legs(record: FlightRecord) -> list[Leg]:
+def reference_legs(record: Flown) -> list[Leg]:
     """The stretches of constant reference while flying, without those on the lower stop."""
     stamps, reference = record.reference
     legs: list[Leg] = []
@@ -133,7 +157,7 @@ def _legs(stamps: Stamps, reference: Array, end_ns: int) -> list[Leg]:
     return legs
 
 
-def _errors(record: FlightRecord, leg: Leg, start_ns: int, end_ns: int) -> tuple[Array, Array, Array]:
+def _errors(record: Flown, leg: Leg, start_ns: int, end_ns: int) -> tuple[Array, Array, Array]:
     """Time since the leg's start [s], true pose minus reference (n, 4), and attitude (n, 3)."""
     truth = record.truth
     inside = (truth.stamps >= start_ns) & (truth.stamps <= end_ns)
@@ -148,7 +172,7 @@ def hover_start(leg: Leg) -> int:
     return leg.start_ns + round(min(HOVER_SETTLING, leg.duration / 3.0) * 1e9)
 
 
-def hover_metrics(record: FlightRecord, leg: Leg) -> dict[str, float]:
+def hover_metrics(record: Flown, leg: Leg) -> dict[str, float]:
     """Deviation of the true pose from a constant reference; empty without ground truth."""
     start_ns = hover_start(leg)
     _, error, attitude = _errors(record, leg, start_ns, leg.end_ns)

@@ -12,6 +12,7 @@ from heli_control.controller_file import load_controller
 from heli_flight.components import bench_simulator, controllers, supervisor
 from heli_flight.in_process import InProcessGraph
 from heli_flight.plan import load_plan
+from heli_flight.swift_flight import SwiftFlight
 from heli_navigation.warm_up import warm_up as navigation_warm_up
 
 MARK = "complete"
@@ -42,6 +43,7 @@ def warm_up(seconds: float = 0.1) -> float:
     while graph.bench.stamp_ns < seconds * 1e9:
         graph.advance()
     navigation_warm_up()
+    SwiftFlight(load_plan("campaign_hover"), 1, load_controller("lq")).fly()
     write_atomically(cache_folder() / MARK, "")
     forget_old_kernels()
     return perf_counter() - started
