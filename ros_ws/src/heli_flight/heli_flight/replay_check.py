@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,7 +71,7 @@ def replay(bag: Bag, node: str) -> list[TopicReplay]:
     return [_compare(topic, bag.messages.get(topic, []), sent[topic]) for topic in component.outputs]
 
 
-def _compare(topic: str, recorded: list[bytes], repeated: list[bytes]) -> TopicReplay:
+def _compare(topic: str, recorded: Sequence[bytes], repeated: list[bytes]) -> TopicReplay:
     layout = TOPICS[topic].layout
     originals = canonical_messages(layout, recorded) if recorded else []
     different = next(

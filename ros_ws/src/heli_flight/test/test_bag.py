@@ -23,7 +23,7 @@ from heli_common.errors import InputError
 from heli_common.topics import TOPICS
 from heli_flight.bag import BagWriter
 from heli_flight.bag_metadata import dump_yaml
-from heli_flight.bag_reader import BagReader, read_bag, topic_name
+from heli_flight.bag_reader import read_bag, topic_name
 from heli_flight.flight_hash import bag_hash, count_check
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -294,13 +294,6 @@ def test_a_bag_of_another_recorder_in_a_namespace(tmp_path: Path) -> None:
 def test_topic_names() -> None:
     assert topic_name("/bench_1/rotor") == topic_name("rotor") == "rotor"
     assert topic_name("/bench_1/camera") == "bench_1/camera"
-
-
-def test_reader_streams(tmp_path: Path) -> None:
-    write(tmp_path / "flight")
-    reader = BagReader(tmp_path / "flight")
-    first = next(iter(reader.messages()))
-    assert (first.topic, first.stamp_ns) == ("encoders", 0)
 
 
 def test_yaml_texts_stay_legible() -> None:
