@@ -34,7 +34,12 @@ _HEAD = struct.Struct("<BQ")
 _CHUNK = struct.Struct("<QQQII")
 _MESSAGE = struct.Struct("<HIQQ")
 _MESSAGE_HEAD = np.dtype(
-    [("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log", "<u8"), ("sent", "<u8")]
+    {
+        "names": ["opcode", "length", "channel", "log"],
+        "formats": ["u1", "<u8", "<u2", "<u8"],
+        "offsets": [0, 1, 9, 15],
+        "itemsize": 31,
+    }
 )
 _BROKEN = (ValueError, KeyError, EOFError, MemoryError, struct.error, zstandard.ZstdError, McapError)
 
@@ -50,9 +55,12 @@ def read_mcap(path: Path) -> StorageContent:
     """
     reader = _Reader(path)
     if path.stat().st_size:
-        with path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as content:
-            with memoryview(content) as data:
-                reader.read(data)
+        with (
+            path.open("rb") as stream,
+            mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as content,
+            memoryview(content) as data,
+        ):
+            reader.read(data)
     else:
         reader.end(whole=False)
     return reader.content
@@ -191,7 +199,9 @@ def _beginning(payload: bytes) -> bytes:
     packed = payload[_CHUNK.size + name_length + 8 :]
     if name == b"":
         return packed
-    return zstandard.ZstdDecompressor().decompressobj().decompress(packed) if name == b"zstd" and packed else b""
+    return (
+        zstandard.ZstdDecompressor().decompressobj().decompress(packed) if name == b"zstd" and packed else b""
+    )
 
 
 def _pieces(data: bytes, indexes: list[bytes]) -> list[Piece] | None:
