@@ -101,7 +101,9 @@ def write_again(bag: Bag, folder: Path, storage: str = "mcap") -> None:
                 writer.add_topic(name, bag.types[name])
             except ValueError as error:
                 raise InputError(str(error), file=bag.folder, key=name) from None
-        stamps = np.concatenate([np.array(bag.stamps[name], np.int64) for name in names] or [np.empty(0)])
+        stamps = np.concatenate(
+            [np.array(bag.stamps[name], np.int64) for name in names] or [np.empty(0, np.int64)]
+        )
         order = np.argsort(stamps, kind="stable")
         sources = [iter(bag.messages[name]) for name in names]
         numbers = np.repeat(np.arange(len(names)), counts)[order].tolist()

@@ -85,19 +85,21 @@ def read_bag(folder: Path) -> Bag:
     contents = [_read(path) for path in files]
     types: dict[str, str] = {}
     custom_data: dict[str, str] = {}
-    blocks: dict[str, list[TopicBlocks]] = {}
+    blocks: dict[str, TopicBlocks] = {}
     problems = [about.problem] if about.problem else []
     for content in contents:
         types |= content.types
         custom_data |= content.custom_data
         problems += content.problems
         for topic, found in content.blocks.items():
-            blocks.setdefault(topic, []).append(found)
+            if topic in blocks:
+                blocks[topic].extend(found)
+            else:
+                blocks[topic] = found
     stamps: dict[str, list[int]] = {}
     messages: dict[str, Sequence[bytes]] = {}
-    for topic, parts in blocks.items():
-        joined = parts[0] if len(parts) == 1 else TopicBlocks.chained(parts)
-        stamps[topic], messages[topic] = joined.joined()
+    for topic, found in blocks.items():
+        stamps[topic], messages[topic] = found.joined()
         if about.compression == "message":
             unpack = zstandard.ZstdDecompressor().decompress
             messages[topic] = [unpack(data) for data in messages[topic]]

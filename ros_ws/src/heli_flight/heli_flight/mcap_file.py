@@ -73,7 +73,9 @@ class McapFile:
         self._counts: dict[int, int] = {}
         self._first_ns, self._last_ns = 2**63 - 1, 0
         self._parts: list[bytes] = []
-        self._begin_chunk()
+        self._size = self._chunk_last_ns = 0
+        self._chunk_first_ns = 2**63 - 1
+        self._index: dict[int, array[int]] = {}
 
     def add_schema(self, name: str, definition: str, type_hash: str) -> int:  # noqa: ARG002
         """Announce a message type; its hash has its place with the channels."""
@@ -163,7 +165,7 @@ class McapFile:
 
     def _begin_chunk(self) -> None:
         self._parts.clear()
-        self._index: dict[int, array[int]] = {}
+        self._index = {}
         self._size = 0
         self._chunk_first_ns, self._chunk_last_ns = 2**63 - 1, 0
 

@@ -1,50 +1,31 @@
 """Reading an MCAP file, whole, cut off anywhere, or damaged (spec 7.5).
 
 Its records follow each other with their lengths, so everything before a cut is readable without the index at
-the end. Behind each chunk stands where its messages are, by topic: with that a topic's messages of one size
-leave the chunk in one go. Every place is checked, and a chunk whose index is missing or wrong is gone through
-message by message.
+the end. A chunk whose index is missing or wrong is gone through message by message.
 """
 
 from __future__ import annotations
 
 import mmap
 import struct
-import zlib
+from collections import Counter
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import zstandard
 from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, Header, Metadata, Schema
-from mcap.stream_reader import get_chunk_data_stream
-from numpy.typing import NDArray
+from mcap.records import Channel, Header, Metadata, Schema
 
 from heli_common.errors import InputError
 from heli_flight.bag_metadata import FLIGHT_RECORD_NAME
+from heli_flight.mcap_chunks import BROKEN, beginning, chunk_content, expected_counts, pieces
 from heli_flight.mcap_file import LIBRARY, MAGIC
-from heli_flight.packed import Stamps, Table
 from heli_flight.storage_content import StorageContent
 
 _HEAD = struct.Struct("<BQ")
-_CHUNK = struct.Struct("<QQQII")
 _MESSAGE = struct.Struct("<HIQQ")
-_MESSAGE_HEAD = np.dtype(
-    {
-        "names": ["opcode", "length", "channel", "log"],
-        "formats": ["u1", "<u8", "<u2", "<u8"],
-        "offsets": [0, 1, 9, 15],
-        "itemsize": 31,
-    }
-)
-_BROKEN = (ValueError, KeyError, EOFError, MemoryError, struct.error, zstandard.ZstdError, McapError)
-
-Piece = tuple[int, Stamps, "Table | list[bytes]", int]
-"""Channel, log times [ns], messages, bytes that their records take."""
+_GROUP_BYTES = 8_000_000
 
 
 def read_mcap(path: Path) -> StorageContent:
@@ -73,10 +54,14 @@ class _Reader:
         self._own = self._sealed = False
         self._chunk: bytes | None = None
         self._indexes: list[bytes] = []
+        self._group: list[tuple[bytes, list[bytes]]] = []
+        self._group_bytes = 0
+        self._expected: Counter[int] = Counter()
 
     def read(self, data: memoryview) -> None:
         if bytes(data[: len(MAGIC)]) != MAGIC[: len(data)]:
             raise InputError("is no MCAP file", file=self.content.path)
+        self._expected = expected_counts(data)
         place, whole = len(MAGIC), False
         while place + _HEAD.size <= len(data):
             opcode, length = _HEAD.unpack_from(data, place)
@@ -89,7 +74,10 @@ class _Reader:
             if not complete:
                 break
         self._attempt(Opcode.FOOTER, b"", complete=True)
+        self._finish_group()
         self.end(whole)
+        if whole and bytes(data[-len(MAGIC) :]) != MAGIC:
+            self.content.problems.append("the index at the end of the file is cut off")
 
     def end(self, whole: bool) -> None:
         """Say whether the recorder finished; our own files have an end of data at every moment."""
@@ -108,16 +96,18 @@ class _Reader:
             if complete:
                 self._record(opcode, payload)
             elif opcode == Opcode.CHUNK:
-                self._scan(_beginning(payload), cut=True)
+                self._finish_group()
+                self._scan(beginning(payload), cut=True)
         except InputError:
             raise
-        except _BROKEN as error:
-            self.content.problems.append(f"a damaged part was left out: {error or type(error).__name__}")
+        except BROKEN as error:
+            self._leave_out(error)
 
     def _record(self, opcode: int, payload: bytes) -> None:
         if opcode == Opcode.CHUNK:
-            self._chunk = _chunk_content(payload)
+            self._chunk = chunk_content(payload)
         elif opcode == Opcode.MESSAGE:
+            self._finish_group()
             channel, _, stamp, _ = _MESSAGE.unpack_from(payload)
             self.content.of(channel).add([stamp], [payload[_MESSAGE.size :]])
         elif opcode == Opcode.METADATA:
@@ -140,114 +130,71 @@ class _Reader:
             self.content.announce(channel.id, channel.topic, self._schemas.get(channel.schema_id, ""))
 
     def _finish_chunk(self) -> None:
-        """Take the messages of the chunk before, now that its index has been read."""
-        data, indexes = self._chunk, self._indexes
+        """Put the chunk before, now that its index has been read, to those that are taken apart together."""
+        if self._chunk is not None:
+            self._group.append((self._chunk, self._indexes))
+            self._group_bytes += len(self._chunk)
         self._chunk, self._indexes = None, []
-        if data is None:
+        if self._group_bytes > _GROUP_BYTES:
+            self._finish_group()
+
+    def _finish_group(self) -> None:
+        """Take the messages of several chunks, each topic's in one go."""
+        group, self._group, self._group_bytes = self._group, [], 0
+        if len(group) > 1 and self._take(group):
             return
-        pieces = _pieces(data, indexes)
-        if pieces is None:
-            self._scan(data)
-            return
-        places = [self.content.of(channel) for channel, *_ in pieces]
-        for blocks, (_, stamps, messages, _) in zip(places, pieces, strict=True):
-            blocks.add(stamps, messages)
+        for chunk in group:
+            try:
+                if not self._take([chunk]):
+                    self._scan(chunk[0])
+            except InputError:
+                raise
+            except BROKEN as error:
+                self._leave_out(error)
+
+    def _take(self, group: list[tuple[bytes, list[bytes]]]) -> bool:
+        """Whether the indexes of these chunks lead to every message in them, which then are taken."""
+        data = b"".join(content for content, _ in group) if len(group) > 1 else group[0][0]
+        try:
+            found = pieces(data, group)
+            places = [self.content.of(piece.channel) for piece in found]
+        except BROKEN:
+            return False
+        for blocks, piece in zip(places, found, strict=True):
+            if piece.size:
+                blocks.expected = self._expected[piece.channel]
+                blocks.add_rows(piece.stamps, data, piece.starts, piece.size)
+            else:
+                bounds = zip(piece.starts.tolist(), piece.ends.tolist(), strict=True)
+                blocks.add(piece.stamps, [data[start:end] for start, end in bounds])
+        return True
+
+    def _leave_out(self, error: BaseException) -> None:
+        self.content.problems.append(f"a damaged part was left out: {error or type(error).__name__}")
 
     def _scan(self, data: bytes, cut: bool = False) -> None:
         """Go through the records of a chunk one by one."""
+        found: dict[int, tuple[list[int], list[bytes]]] = {}
         place = 0
-        while place + _HEAD.size <= len(data):
-            opcode, length = _HEAD.unpack_from(data, place)
-            place += _HEAD.size
-            if length > len(data) - place:
-                if cut:
-                    return
-                raise ValueError(f"a record of {length} bytes reaches beyond its chunk")
-            if opcode == Opcode.MESSAGE:
-                channel, _, stamp, _ = _MESSAGE.unpack_from(data, place)
-                self.content.of(channel).add([stamp], [data[place + _MESSAGE.size : place + length]])
-            else:
-                self._note(opcode, data[place : place + length])
-            place += length
-
-
-def _chunk_content(payload: bytes) -> bytes:
-    """The records in a chunk, its checksum verified."""
-    *_, size, crc, name_length = _CHUNK.unpack_from(payload)
-    name = payload[_CHUNK.size : _CHUNK.size + name_length]
-    packed = memoryview(payload)[_CHUNK.size + name_length + 8 :]
-    if name == b"zstd":
-        if zstandard.frame_content_size(packed) not in (size, -1):
-            raise ValueError("a chunk is not as long as it says")
-        data = zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
-    elif name == b"":
-        data = bytes(packed)
-    else:
-        stream, _ = get_chunk_data_stream(Chunk.read(_stream(payload)), validate_crc=True)
-        data = bytes(stream.read(size))
-    if len(data) != size or (crc and zlib.crc32(data) != crc):
-        raise ValueError("a chunk's checksum is wrong")
-    return data
-
-
-def _beginning(payload: bytes) -> bytes:
-    """What can be unpacked of the beginning of a chunk."""
-    if len(payload) < _CHUNK.size:
-        return b""
-    name_length = _CHUNK.unpack_from(payload)[-1]
-    name = payload[_CHUNK.size : _CHUNK.size + name_length]
-    packed = payload[_CHUNK.size + name_length + 8 :]
-    if name == b"":
-        return packed
-    return (
-        zstandard.ZstdDecompressor().decompressobj().decompress(packed) if name == b"zstd" and packed else b""
-    )
-
-
-def _pieces(data: bytes, indexes: list[bytes]) -> list[Piece] | None:
-    """The messages of a chunk by topic; None if the index does not account for every byte of the chunk."""
-    try:
-        pieces = [_piece(data, payload) for payload in indexes]
-    except _BROKEN:
-        return None
-    return pieces if sum(piece[3] for piece in pieces) == len(data) else None
-
-
-def _piece(data: bytes, payload: bytes) -> Piece:
-    """The messages of one topic in a chunk.
-
-    Raises:
-        ValueError: the index does not lead to messages of this topic.
-    """
-    channel, length = struct.unpack_from("<HI", payload)
-    entries = np.frombuffer(payload, "<u8", length // 16 * 2, 6).reshape(-1, 2)
-    places = np.sort(entries[:, 1]).astype(np.int64)
-    if not len(places):
-        return channel, np.empty(0, np.int64), [], 0
-    if places[-1] > len(data) - _MESSAGE_HEAD.itemsize or places[0] < 0:
-        raise ValueError("a place outside of the chunk")
-    heads = _windows(data, _MESSAGE_HEAD)[places]
-    if not ((heads["opcode"] == Opcode.MESSAGE) & (heads["channel"] == channel)).all():
-        raise ValueError("no message of this topic at its place")
-    sizes = heads["length"].astype(np.int64) - _MESSAGE.size
-    ends = places + _MESSAGE_HEAD.itemsize + sizes
-    if (sizes < 0).any() or (ends > len(data)).any():
-        raise ValueError("a message reaches beyond its chunk")
-    stamps = heads["log"].astype(np.int64)
-    taken = len(places) * _MESSAGE_HEAD.itemsize + int(sizes.sum())
-    size = int(sizes[0])
-    starts = places + _MESSAGE_HEAD.itemsize
-    if size and (sizes == size).all():
-        rows = _windows(data, np.dtype(f"V{size}"))[starts]
-        return channel, stamps, rows.view(np.uint8).reshape(len(places), size), taken
-    bounds = zip(starts.tolist(), ends.tolist(), strict=True)
-    return channel, stamps, [data[start:end] for start, end in bounds], taken
-
-
-def _windows(data: bytes, dtype: np.dtype[Any]) -> NDArray[Any]:
-    """What would stand at every place of the data, without copying."""
-    count = len(data) - dtype.itemsize + 1
-    return np.ndarray((count,), dtype, data, strides=(1,))
+        try:
+            while place + _HEAD.size <= len(data):
+                opcode, length = _HEAD.unpack_from(data, place)
+                place += _HEAD.size
+                if length > len(data) - place:
+                    if cut:
+                        break
+                    raise ValueError(f"a record of {length} bytes reaches beyond its chunk")
+                if opcode == Opcode.MESSAGE:
+                    channel, _, stamp, _ = _MESSAGE.unpack_from(data, place)
+                    stamps, messages = found.setdefault(channel, ([], []))
+                    stamps.append(stamp)
+                    messages.append(data[place + _MESSAGE.size : place + length])
+                else:
+                    self._note(opcode, data[place : place + length])
+                place += length
+        finally:
+            for channel, (stamps, messages) in found.items():
+                self.content.of(channel).add(stamps, messages)
 
 
 def _stream(payload: bytes) -> Any:

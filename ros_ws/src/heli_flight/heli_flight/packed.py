@@ -13,6 +13,8 @@ from heli_common.layout import Layout, Values
 Table = NDArray[np.uint8]
 Stamps = NDArray[np.int64]
 
+_FIRST_ROWS = 256
+
 
 class PackedMessages(Sequence[bytes]):
     """Serialized messages; equal to a list of the same bytes.
@@ -35,7 +37,7 @@ class PackedMessages(Sequence[bytes]):
         """One message, or some as a view."""
         if isinstance(index, slice):
             return PackedMessages(self.table[index])
-        return self.table[index].tobytes()
+        return bytes(self.table[index].tobytes())
 
     def __iter__(self) -> Iterator[bytes]:
         size = self.table.shape[1]
@@ -76,35 +78,74 @@ def read_layout(layout: Layout, messages: Sequence[bytes]) -> tuple[Stamps, Valu
 
 
 class TopicBlocks:
-    """The messages of one topic as a reader finds them, piece by piece, in the order of the file."""
+    """The messages of one topic as a reader finds them, piece by piece, in the order of the file.
+
+    While all have one size they stand in one table that grows in place.
+
+    Attributes:
+        count: messages so far.
+        expected: messages that there will be, as far as known; room for them is taken at once.
+    """
 
     def __init__(self) -> None:
         self.count = 0
-        self._blocks: list[tuple[Stamps, Sequence[bytes]]] = []
+        self.expected = 0
+        self._stamps: list[Stamps] = []
+        self._table = np.empty((0, 0), np.uint8)
+        self._loose: list[bytes] | None = None
 
-    def add(self, stamps: Sequence[int] | Stamps, messages: Sequence[bytes] | Table) -> None:
-        """Append messages with their log times [ns]; a table has one message per row."""
-        if len(stamps):
-            found = PackedMessages(messages) if isinstance(messages, np.ndarray) else pack(messages)
-            self._blocks.append((np.asarray(stamps, dtype=np.int64), found))
-            self.count += len(stamps)
+    def add(self, stamps: Sequence[int] | Stamps, messages: Sequence[bytes]) -> None:
+        """Append messages with their log times [ns]."""
+        found = pack(messages)
+        if isinstance(found, PackedMessages) and self._fits(found.table.shape[1]):
+            self._room(*found.table.shape)[:] = found.table
+        else:
+            self._loosen().extend(messages)
+        self._note(stamps)
 
-    @classmethod
-    def chained(cls, parts: Sequence[TopicBlocks]) -> TopicBlocks:
-        """Those of several files, one after the other."""
-        whole = cls()
-        for part in parts:
-            whole._blocks += part._blocks
-            whole.count += part.count
-        return whole
+    def add_rows(self, stamps: Stamps, data: bytes, starts: NDArray[np.int64], size: int) -> None:
+        """Append messages of one size that begin at these places of the data."""
+        if not self._fits(size):
+            self.add(stamps, [data[start : start + size] for start in starts.tolist()])
+            return
+        rows: NDArray[np.void] = np.ndarray((len(data) - size + 1,), f"V{size}", data, strides=(1,))
+        self._room(len(starts), size)[:] = rows[starts].view(np.uint8).reshape(len(starts), size)
+        self._note(stamps)
 
     def joined(self) -> tuple[list[int], Sequence[bytes]]:
         """All of them: log times and messages, packed where they have one size."""
-        if not self._blocks:
+        if not self.count:
             return [], []
-        stamps = np.concatenate([stamps for stamps, _ in self._blocks]).tolist()
-        parts = [messages for _, messages in self._blocks]
-        tables = [part.table for part in parts if isinstance(part, PackedMessages)]
-        if len(tables) == len(parts) and len({table.shape[1] for table in tables}) == 1:
-            return stamps, PackedMessages(np.concatenate(tables))
-        return stamps, [message for part in parts for message in part]
+        stamps = np.concatenate(self._stamps).tolist()
+        if self._loose is not None:
+            return stamps, self._loose
+        return stamps, PackedMessages(self._table[: self.count])
+
+    def extend(self, other: TopicBlocks) -> None:
+        """Append what was found in the next file."""
+        stamps, messages = other.joined()
+        if stamps:
+            self.add(stamps, messages)
+
+    def _fits(self, size: int) -> bool:
+        return self._loose is None and size > 0 and (not self.count or size == self._table.shape[1])
+
+    def _room(self, count: int, size: int) -> Table:
+        """Place for further messages at the end of the table."""
+        needed = self.count + count
+        if not self.count:
+            self._table = np.empty((max(count, self.expected, _FIRST_ROWS), size), np.uint8)
+        elif needed > len(self._table):
+            # a large block of memory is moved by the operating system without copying it
+            self._table.resize((max(needed, 3 * len(self._table) // 2), size), refcheck=False)
+        return self._table[self.count : needed]
+
+    def _loosen(self) -> list[bytes]:
+        if self._loose is None:
+            self._loose = list(PackedMessages(self._table[: self.count])) if self.count else []
+            self._table = np.empty((0, 0), np.uint8)
+        return self._loose
+
+    def _note(self, stamps: Sequence[int] | Stamps) -> None:
+        self._stamps.append(np.asarray(stamps, dtype=np.int64))
+        self.count += len(stamps)

@@ -42,6 +42,8 @@ def read_sqlite(path: Path) -> StorageContent:
 def _read(content: StorageContent, database: sqlite3.Connection) -> None:
     found: dict[int, tuple[list[int], list[bytes]]] = {}
     try:
+        # else sqlite refuses a file that is shorter than it was, whatever it still holds
+        database.execute("PRAGMA writable_schema = ON")
         for number, name, ros_type in database.execute("SELECT id, name, type FROM topics"):
             content.announce(number, name, ros_type)
             found[number] = ([], [])

@@ -7,6 +7,7 @@ import select
 import sys
 import termios
 import tty
+from typing import Any
 
 _ARROWS = {b"\x1b[A": "up", b"\x1b[B": "down", b"\x1b[C": "right", b"\x1b[D": "left"}
 
@@ -20,7 +21,7 @@ class Keys:
 
     def __init__(self, descriptor: int | None = None) -> None:
         self._descriptor = sys.stdin.fileno() if descriptor is None else descriptor
-        self._before: list[object] | None = None
+        self._before: list[Any] | None = None
         try:
             if os.isatty(self._descriptor) and (
                 descriptor is not None or os.tcgetpgrp(self._descriptor) == os.getpgrp()

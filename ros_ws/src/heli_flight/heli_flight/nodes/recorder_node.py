@@ -24,8 +24,8 @@ def build(node: Node, running: tuple[str, ...]) -> RecorderProgram:
     """Declare parameters and open the bag.
 
     Raises:
-        InputError: no folder is given, it is not empty or cannot be written, no such storage, or the notes are
-            unreadable.
+        InputError: no folder is given, it is not empty or cannot be written, no such storage, or the
+            notes are unreadable.
     """
     folder = declare_text(node, "bag", "", "folder of the bag to write")
     storage = declare_text(node, "storage", "mcap", f"way of storing: {', '.join(STORAGES)}")
