@@ -175,18 +175,8 @@ def test_replay_pauses_steps_and_changes_its_rate(heli):
 
 
 def test_a_flight_in_which_everything_was_asked_for_is_repeated(heli):
-    words = [
-        "fly",
-        "hover_steps",
-        "--mode",
-        "lockstep",
-        "--name",
-        "b",
-        "--no-report",
-        "--with",
-        "identification",
-    ]
-    flight = heli.start(*words, "--json")
+    words = ("--mode", "lockstep", "--name", "b", "--no-report", "--with", "identification")
+    flight = heli.start("fly", "hover_steps", *words, "--json")
     asking = heli.start_process(sys.executable, "-c", ASKING)
     said, error = asking.communicate(timeout=80)
     assert said == "asked\n", error

@@ -70,10 +70,6 @@ class ReplayedBench:
             sent += self.simulator.tick()
         return sent
 
-    def ask(self, stamp_ns: int, text: str) -> None:
-        """A fault that began at this stamp [ns]."""
-        self.simulator.bench.add_fault(fault_from_text(text, now_ns=stamp_ns))
-
 
 def build(bag: Bag, node: str) -> Replayed:
     """The component of a node as it flew, from what the bag carries.
@@ -120,8 +116,11 @@ def _bench(bag: Bag, values: NodeValues) -> tuple[Component, Ask]:
     if not seed.isdecimal():
         raise InputError(f"{seed!r}", allowed="a number", file=bag.folder, key="seed")
     identified = bool(bag.messages.get("excitation"))
-    bench = ReplayedBench(bench_simulator(int(seed), values, _plan(bag), identified))
-    return bench, bench.ask
+    simulator = bench_simulator(int(seed), values, _plan(bag), identified)
+    # faults have a time of their own: the bench may know them from the start
+    for stamp_ns, text in requests_of(bag, topics.BENCH_SIM):
+        simulator.bench.add_fault(fault_from_text(text, now_ns=stamp_ns))
+    return ReplayedBench(simulator), _nothing
 
 
 def _supervisor(bag: Bag, values: NodeValues) -> tuple[Component, Ask]:
@@ -147,6 +146,10 @@ def _attitude(bag: Bag, values: NodeValues) -> tuple[Component, Ask]:
 def _identification(bag: Bag, values: NodeValues) -> tuple[Component, Ask]:
     component = identifier(_plan(bag), values)
     return component, lambda _, text: component.request(text)
+
+
+def _nothing(_stamp_ns: int, _text: str) -> None:
+    """Was asked for already."""
 
 
 def _refuse(stamp_ns: int, text: str) -> None:
