@@ -1,6 +1,6 @@
 """A long bag into numpy: our reader beside rosbags' own decoder of the same messages, three ways of storing.
 
-Run: python benchmarks/bag_reading.py [--minutes 10] [--json]. Flies a hover in process, stores it as MCAP
+Run: python benchmarks/bag_reading.py [--minutes 10] [--bag FOLDER]. Flies a hover in process, stores it as MCAP
 with and without zstd and as sqlite3, and reads each twice: `FlightRecord.load` gives every number of every
 topic as arrays, sizes and constant parts verified; rosbags' `Reader` gives the messages one after the other,
 which `deserialize_cdr` decodes and nobody keeps. Seconds are processor time, both run on one core. Every
@@ -10,7 +10,6 @@ number of every message of all three is compared.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -105,9 +104,9 @@ def same_arrays(one: FlightRecord, other: FlightRecord) -> bool:
     )
 
 
-def measure(folder: Path, minutes: float) -> list[dict[str, Any]]:
+def measure(folder: Path, minutes: float, flown: Path | None) -> list[dict[str, Any]]:
     """One row per way of storing."""
-    flight = fly(folder / "mcap", minutes)
+    flight = FlightRecord.load(flown) if flown else fly(folder / "mcap", minutes)
     rows = []
     for storage, words in STORAGES.items():
         bag = folder / storage
@@ -137,13 +136,10 @@ def main() -> int:
     """Measure and print; exit code 1 if a number differs or the ratio is below 10."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=10.0, help="length of the flight")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--bag", type=Path, help="take this flight, MCAP with zstd, instead of flying")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        rows = measure(Path(folder), options.minutes)
-    if options.json:
-        sys.stdout.write(json.dumps(rows, indent=2) + "\n")
-    else:
+        rows = measure(Path(folder), options.minutes, options.bag)
         table = Table("stored as", "MB", "messages", "ours s", "rosbags s", "ratio", "messages that differ")
         for row in rows:
             numbers = (f"{row['megabytes']:.0f}", f"{row['messages']:,}", f"{row['ours_s']:.2f}")
