@@ -16,6 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import zstandard
 from rosbags.typesys import Stores, get_typestore
 
 from heli_common.errors import InputError
@@ -25,6 +26,7 @@ from heli_flight.bag_metadata import (
     FLIGHT_RECORD_NAME,
     METADATA_FILE,
     NO_START,
+    PACKED_SUFFIX,
     RecordedTopic,
     bag_information,
     dump_yaml,
@@ -40,10 +42,12 @@ STORAGES: dict[str, Callable[[Path], McapFile | SqliteFile]] = {
     "mcap": McapFile,
     "sqlite3": SqliteFile,
     "mcap_uncompressed": lambda path: McapFile(path, level=0),
-    "mcap_small": lambda path: McapFile(path, level=19),
+    "mcap_packed": lambda path: McapFile(path, level=0),
+    "sqlite3_packed": SqliteFile,
 }
-"""Ways of storing: MCAP with zstd, sqlite3, MCAP without compression, MCAP with zstd that takes its time."""
+"""Ways of storing. Packed: when the bag is closed, zstd compresses the whole file, as rosbag2's mode FILE."""
 
+_PACKING_LEVEL, _WINDOW = 12, 24
 FLUSH_INTERVAL_NS = 500_000_000
 METADATA_INTERVAL_NS = 1_000_000_000
 
@@ -81,6 +85,7 @@ class BagWriter:
         self._next_flush = self._next_metadata = -1
         self._flushed_ns = 0
         self._open = True
+        self._packs, self._packed = storage.endswith("_packed"), ""
         try:
             if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
                 raise InputError("exists already", allowed="a new or an empty folder", file=folder)
@@ -193,6 +198,8 @@ class BagWriter:
         self._open = False
         try:
             self._file.close(dump_yaml(self._information()))
+            if self._packs:
+                self._packed = _pack(self._file.path).name
             self._write_metadata()
         except OSError as error:
             raise OSError(f"{self._file.path}: {error.strerror or error}; not closed") from None
@@ -222,13 +229,25 @@ class BagWriter:
         figures = {"counts": json.dumps(self.counts), "losses": json.dumps(self.losses)}
         custom_data = self.custom_data | _checked(self.remarks()) | figures
         file = self._file
+        name = self._packed or file.path.name
         return bag_information(
-            file.path.name, file.identifier, self._topics.values(), self._start_ns, self._end_ns, custom_data
+            name, file.identifier, self._topics.values(), self._start_ns, self._end_ns, custom_data
         )
 
     def _write_metadata(self) -> None:
         document = {"rosbag2_bagfile_information": self._information()}
         write_atomically(self.folder / METADATA_FILE, dump_yaml(document))
+
+
+def _pack(path: Path) -> Path:
+    """Compress a file as a whole in its place."""
+    packed = path.with_name(f"{path.name}{PACKED_SUFFIX}")
+    settings = zstandard.ZstdCompressionParameters.from_level(_PACKING_LEVEL, window_log=_WINDOW)
+    compressor = zstandard.ZstdCompressor(compression_params=settings)
+    with path.open("rb") as plain, packed.open("wb") as stream:
+        compressor.copy_stream(plain, stream, size=path.stat().st_size)
+    path.unlink()
+    return packed
 
 
 def _checked(custom_data: Mapping[str, str]) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,9 +14,9 @@ from rosbags.rosbag2 import Reader, ReaderError
 from heli_common.errors import InputError
 from heli_flight.bag import BagWriter
 from heli_flight.bag_reader import Bag
-from heli_flight.flight_hash import TopicCount, count_check
+from heli_flight.flight_hash import TopicCount, bag_hash, count_check
 
-REPAIRED = "repaired"
+REPAIRED, LEFT_OUT, WHOLE_HASH = "repaired", "left_out", "sha256_with_left_out"
 _OF_THE_WRITER = ("counts", "losses")
 
 
@@ -78,22 +79,28 @@ def other_readers(path: Path) -> dict[str, str]:
     return found
 
 
-def write_again(bag: Bag, folder: Path, storage: str = "mcap") -> None:
+def write_again(bag: Bag, folder: Path, storage: str = "mcap", without: Sequence[str] = ()) -> None:
     """Write what was read of a bag as a bag that is whole, sorted by log time.
 
     Args:
         bag: as read.
         folder: of the new bag.
         storage: see `bag.STORAGES`.
+        without: topics that are left out; the bag says which.
 
     Raises:
-        InputError: the folder is not empty or cannot be written, or a type is unknown.
+        InputError: no such topic, the folder is not empty or cannot be written, or a type is unknown.
         OSError: the disk is full.
     """
     custom_data = {key: text for key, text in bag.custom_data.items() if key not in _OF_THE_WRITER}
     if bag.problems:
         custom_data[REPAIRED] = "; ".join(bag.problems)
-    names = [name for name in bag.messages if bag.types.get(name)]
+    for name in without:
+        if name not in bag.types:
+            raise InputError(f"no topic {name!r}", allowed=", ".join(bag.types), file=bag.folder)
+    if without:
+        custom_data |= {LEFT_OUT: ", ".join(without), WHOLE_HASH: bag_hash(bag)}
+    names = [name for name in bag.messages if bag.types.get(name) and name not in without]
     counts = [len(bag.stamps[name]) for name in names]
     with BagWriter(folder, custom_data, storage) as writer:
         for name in names:

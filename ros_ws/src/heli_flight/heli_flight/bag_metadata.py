@@ -14,6 +14,8 @@
 | jitter | real time: JSON object, per topic rms and largest deviation of the time between two arrivals [ms] |
 | late_TOPIC | how many commands of a topic came too late |
 | pauses, paused_s | real time: how often and how long the bench itself was kept from running |
+| repaired | what was wrong with the bag of which this one was made |
+| left_out, sha256_with_left_out | topics that a copy does without; hash of the flight with them |
 | result | why the flight ended, if not by its plan |
 """
 
@@ -24,6 +26,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import yaml
+
+PACKED_SUFFIX = ".zstd"
+"""Ending of a storage file that was compressed as a whole."""
 
 METADATA_FILE = "metadata.yaml"
 FLIGHT_RECORD_NAME = "heli_flight"
@@ -119,6 +124,7 @@ def bag_information(
         custom_data: text to text.
     """
     listed = list(topics)
+    packed = storage_file.endswith(PACKED_SUFFIX)
     count = sum(topic.count for topic in listed)
     start = {"nanoseconds_since_epoch": start_ns}
     duration = {"nanoseconds": max(0, end_ns - start_ns)}
@@ -141,8 +147,8 @@ def bag_information(
             }
             for topic in listed
         ],
-        "compression_format": "",
-        "compression_mode": "",
+        "compression_format": "zstd" if packed else "",
+        "compression_mode": "FILE" if packed else "",
         "relative_file_paths": [storage_file],
         "files": [
             {"path": storage_file, "starting_time": start, "duration": duration, "message_count": count}

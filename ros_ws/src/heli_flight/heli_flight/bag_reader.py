@@ -13,7 +13,7 @@ import zstandard
 
 from heli_common.errors import InputError
 from heli_common.files import read_yaml
-from heli_flight.bag_metadata import METADATA_FILE
+from heli_flight.bag_metadata import METADATA_FILE, PACKED_SUFFIX
 from heli_flight.mcap_reading import read_mcap
 from heli_flight.packed import TopicBlocks
 from heli_flight.sqlite_reading import read_sqlite
@@ -22,7 +22,6 @@ from heli_flight.storage_content import StorageContent, topic_name
 __all__ = ["Bag", "read_bag", "topic_name"]
 
 _READERS = {".mcap": read_mcap, ".db3": read_sqlite}
-_PACKED = ".zstd"
 
 
 @dataclass(frozen=True)
@@ -139,7 +138,7 @@ def _storage_files(root: Path, names: Sequence[str]) -> list[Path]:
 
 
 def _ending(path: Path) -> str:
-    return Path(path.stem).suffix if path.suffix == _PACKED else path.suffix
+    return Path(path.stem).suffix if path.suffix == PACKED_SUFFIX else path.suffix
 
 
 def _read(path: Path) -> StorageContent:
@@ -153,7 +152,7 @@ def _read(path: Path) -> StorageContent:
 @contextmanager
 def _unpacked(path: Path) -> Iterator[Path]:
     """The file itself, or what is in one that was compressed as a whole."""
-    if path.suffix != _PACKED:
+    if path.suffix != PACKED_SUFFIX:
         yield path
         return
     with tempfile.TemporaryDirectory(prefix="heli_") as folder:

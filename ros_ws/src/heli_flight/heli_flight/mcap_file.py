@@ -72,10 +72,9 @@ class McapFile:
         self._chunk_count = 0
         self._counts: dict[int, int] = {}
         self._first_ns, self._last_ns = 2**63 - 1, 0
-        self._parts: list[bytes] = []
+        self._waiting: dict[int, tuple[list[bytes], array[int]]] = {}
         self._size = self._chunk_last_ns = 0
         self._chunk_first_ns = 2**63 - 1
-        self._index: dict[int, array[int]] = {}
 
     def add_schema(self, name: str, definition: str, type_hash: str) -> int:  # noqa: ARG002
         """Announce a message type; its hash has its place with the channels."""
@@ -97,6 +96,7 @@ class McapFile:
         self._channels.append(_record(Channel(number, topic, "cdr", dict(about), schema)))
         self._pending += self._channels[-1]
         self._counts[number] = 0
+        self._waiting[number] = ([], array("Q"))
         return number
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
@@ -116,8 +116,9 @@ class McapFile:
         count = self._counts[channel]
         self._counts[channel] = count + 1
         head = _MESSAGE.pack(Opcode.MESSAGE, _FIXED + len(data), channel, count, stamp_ns, stamp_ns)
-        self._index.setdefault(channel, array("Q")).extend((stamp_ns, self._size))
-        self._parts += (head, data)
+        parts, stamps = self._waiting[channel]
+        parts += (head, data)
+        stamps.append(stamp_ns)
         self._size += len(head) + len(data)
         if stamp_ns < self._chunk_first_ns:
             self._chunk_first_ns = stamp_ns
@@ -164,15 +165,16 @@ class McapFile:
             self._descriptor = -1
 
     def _begin_chunk(self) -> None:
-        self._parts.clear()
-        self._index = {}
+        self._waiting = {channel: ([], array("Q")) for channel in self._counts}
         self._size = 0
         self._chunk_first_ns, self._chunk_last_ns = 2**63 - 1, 0
 
     def _close_chunk(self) -> None:
-        if not self._parts:
+        if not self._size:
             return
-        data = b"".join(self._parts)
+        waiting = {channel: entry for channel, entry in self._waiting.items() if entry[0]}
+        # topic by topic: zstd finds more to leave out, and a reader takes a topic in one piece
+        data = b"".join(part for parts, _ in waiting.values() for part in parts)
         packed = self._compress(data) if self._compress else data
         compression = "zstd" if self._compress else ""
         first, last = self._chunk_first_ns, self._chunk_last_ns
@@ -181,8 +183,13 @@ class McapFile:
         self._pending += chunk
         places = {}
         index_start = len(self._pending)
-        for channel, entries in self._index.items():
+        place = 0
+        for channel, (parts, stamps) in waiting.items():
             places[channel] = self._position + len(self._pending)
+            entries = array("Q")
+            for stamp_ns, data_part in zip(stamps, parts[1::2], strict=True):
+                entries.extend((stamp_ns, place))
+                place += _MESSAGE.size + len(data_part)
             content = entries.tobytes()
             self._pending += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(content), channel, len(content))
             self._pending += content

@@ -46,6 +46,16 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     check.add_argument("--storage", default="mcap", choices=tuple(STORAGES), help="of the new bag")
     check.add_argument("--json", action="store_true", help="print JSON")
     check.set_defaults(func=run_check)
+    copy = commands.add_parser(
+        "copy",
+        help="the same flight as another bag: fewer topics, another way of storing",
+        description="Write a flight into another bag, with fewer topics or stored another way.",
+    )
+    copy.add_argument("bag", type=Path, metavar="BAG", help="folder of the bag")
+    copy.add_argument("folder", type=Path, metavar="FOLDER", help="of the new bag")
+    copy.add_argument("--without", default="", metavar="A,B", help="topics to leave out, comma-separated")
+    copy.add_argument("--storage", default="mcap", choices=tuple(STORAGES), help="of the new bag")
+    copy.set_defaults(func=run_copy)
     compare = commands.add_parser(
         "compare",
         help="whether two bags hold the same flight, and where they differ first",
@@ -90,6 +100,18 @@ def run_check(arguments: argparse.Namespace) -> int:
         if arguments.repair is not None:
             sys.stdout.write(f"what is readable was written to {arguments.repair}\n")
     return EXIT_FLOWN if state.whole else EXIT_NOT_WHOLE
+
+
+def run_copy(arguments: argparse.Namespace) -> int:
+    """Write a flight into another bag.
+
+    Raises:
+        InputError: no readable bag, no such topic, or the new folder cannot be written.
+    """
+    bag = read_bag(arguments.bag)
+    without = tuple(name.strip() for name in arguments.without.split(",") if name.strip())
+    write_again(bag, arguments.folder, arguments.storage, without)
+    return EXIT_FLOWN
 
 
 def _state_lines(state: BagState, held: int) -> list[str]:
