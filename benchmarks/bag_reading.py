@@ -1,7 +1,7 @@
 """A long bag into numpy: our reader beside rosbags' own decoder of the same messages, three ways of storing.
 
-Run: python benchmarks/bag_reading.py [--minutes 10] [--bag FOLDER]. Flies a hover in process, stores it as MCAP
-with and without zstd and as sqlite3, and reads each twice: `FlightRecord.load` gives every number of every
+Run: python benchmarks/bag_reading.py [--minutes 10] [--bag FOLDER]. Flies a hover in process, stores it as
+MCAP with and without zstd and as sqlite3, and reads each twice: `FlightRecord.load` gives every number of every
 topic as arrays, sizes and constant parts verified; rosbags' `Reader` gives the messages one after the other,
 which `deserialize_cdr` decodes and nobody keeps. Seconds are processor time, both run on one core. Every
 number of every message of all three is compared.
