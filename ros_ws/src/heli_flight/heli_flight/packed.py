@@ -62,7 +62,7 @@ def pack(messages: Sequence[bytes]) -> Sequence[bytes]:
     if isinstance(messages, PackedMessages) or not messages:
         return messages
     size = len(messages[0])
-    if not size or any(len(data) != size for data in messages):
+    if not size or set(map(len, messages)) != {size}:
         return messages
     return PackedMessages(np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), size))
 
@@ -91,14 +91,17 @@ class TopicBlocks:
         self.count = 0
         self.expected = 0
         self._stamps: list[Stamps] = []
-        self._table = np.empty((0, 0), np.uint8)
+        self._table: Table = np.empty((0, 0), np.uint8)
         self._loose: list[bytes] | None = None
 
     def add(self, stamps: Sequence[int] | Stamps, messages: Sequence[bytes]) -> None:
         """Append messages with their log times [ns]."""
         found = pack(messages)
         if isinstance(found, PackedMessages) and self._fits(found.table.shape[1]):
-            self._room(*found.table.shape)[:] = found.table
+            if self.count:
+                self._room(*found.table.shape)[:] = found.table
+            else:
+                self._table = found.table
         else:
             self._loosen().extend(messages)
         self._note(stamps)
@@ -136,6 +139,8 @@ class TopicBlocks:
         if not self.count:
             self._table = np.empty((max(count, self.expected, _FIRST_ROWS), size), np.uint8)
         elif needed > len(self._table):
+            if not self._table.flags.owndata:
+                self._table = self._table[: self.count].copy()
             # a large block of memory is moved by the operating system without copying it
             self._table.resize((max(needed, 3 * len(self._table) // 2), size), refcheck=False)
         return self._table[self.count : needed]

@@ -47,11 +47,12 @@ def _read(content: StorageContent, database: sqlite3.Connection) -> None:
         for number, name, ros_type in database.execute("SELECT id, name, type FROM topics"):
             content.announce(number, name, ros_type)
             found[number] = ([], [])
+        notes = {number: (stamps.append, messages.append) for number, (stamps, messages) in found.items()}
         rows = database.execute("SELECT topic_id, timestamp, data FROM messages ORDER BY id")
         for number, stamp, data in rows:
-            stamps, messages = found[number]
-            stamps.append(stamp)
-            messages.append(data)
+            note_stamp, note_message = notes[number]
+            note_stamp(stamp)
+            note_message(data)
         content.closed = _is_closed(database)
     except (sqlite3.Error, KeyError) as error:
         content.problems.append(f"a damaged part was left out: {error}")

@@ -114,7 +114,7 @@ def asked(bag: Bag, stamp_ns: int, node: str, text: str) -> Bag:
         ("attitude_controller", load_controller("gst2").to_yaml(), "servo_command"),
         ("identification", "", "excitation"),
         ("supervisor", "land", "reference"),
-        ("bench_sim", "encoder_stuck encoder=yaw for_s=2", "encoders"),
+        ("bench_sim", "encoder_stuck encoder=yaw for_s=2", "bench_condition"),
     ],
 )
 def test_a_request_acts_at_its_stamp(bag: Bag, node: str, text: str, topic: str) -> None:
