@@ -183,17 +183,21 @@ class BenchSimulator:
         self._commands["motor_command"].clear()
         self.bench.set_motor_voltage(0.0)
 
-    def request_fault(self, text: str) -> None:
+    def request_fault(self, text: str) -> int:
         """Let something go wrong from the next control tick on.
 
         Args:
             text: for example `encoder_stuck encoder=arm_1 for_s=2`.
 
+        Returns:
+            stamp of that tick [ns].
+
         Raises:
             InputError: names the key, the value and what is allowed.
         """
-        ticks = self.stamp_ns // CONTROL_PERIOD_NS + 1
-        self.bench.add_fault(fault_from_text(text, now_ns=ticks * CONTROL_PERIOD_NS))
+        begin_ns = (self.stamp_ns // CONTROL_PERIOD_NS + 1) * CONTROL_PERIOD_NS
+        self.bench.add_fault(fault_from_text(text, now_ns=begin_ns))
+        return begin_ns
 
     def remarks(self) -> dict[str, str]:
         """What a flight's record says of the bench: late commands, and where the model did not hold."""

@@ -10,6 +10,7 @@ from heli_bench_sim.watch import WatchParameters
 from heli_common.component import Message
 from heli_common.errors import SafetyStop
 from heli_common.nodes.connection import Connection
+from heli_common.nodes.requests import Requests
 from heli_common.timing import COMMAND_LATENCY_NS, CONTROL_PERIOD_NS, SENSOR_PERIOD_NS, is_control_tick
 from heli_common.topics import BENCH_SIM, OPTIONAL_NODES, RECORDER, TOPICS
 
@@ -51,11 +52,13 @@ class BenchProgram:
         self._left_regime = 0
         self._closing_since = 0.0
         self._latency = Latency(simulator.inputs)
+        self._requests = Requests()
         self._unpack = {topic: TOPICS[topic].layout.unpack for topic in self.inputs}
 
     def start(self, connection: Connection) -> None:
         """The graph is wired; the first sample follows when every node of it has said that it is ready."""
         self._connection = connection
+        self._requests.tell(connection, 0)
         self._progress_at = monotonic()
 
     def on_message(self, topic: str, data: bytes) -> None:
@@ -68,6 +71,16 @@ class BenchProgram:
             self.simulator.receive(topic, stamp_ns, values)
         if self._mode == LOCKSTEP and self._flying:
             self._advance_lockstep()
+
+    def request_fault(self, text: str) -> None:
+        """Let something go wrong from the next control tick on.
+
+        Raises:
+            InputError: see `BenchSimulator.request_fault`.
+        """
+        acts_ns = self.simulator.request_fault(text)
+        self._requests.add(text)
+        self._requests.tell(self._connection, acts_ns)
 
     def turn(self) -> float:
         """Start, pace or watch the flight; returns how long the executor may wait for messages [s]."""

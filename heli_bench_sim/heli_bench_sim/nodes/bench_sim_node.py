@@ -46,8 +46,9 @@ def build(node: Node, running: tuple[str, ...]) -> BenchProgram:
     bench = Bench(parameters, seed, faults=faults)
     simulator = BenchSimulator(bench, excited=IDENTIFICATION in running)
     about = "set it to let something go wrong now, e.g. encoder_stuck encoder=arm_1 for_s=2"
-    declare_request(node, "fault", "", about, lambda text: simulator.request_fault(str(text)))
-    return BenchProgram(simulator, mode, running, watch)
+    program = BenchProgram(simulator, mode, running, watch)
+    declare_request(node, "fault", "", about, lambda text: program.request_fault(str(text)))
+    return program
 
 
 def _read_faults(text: str) -> FaultSchedule:

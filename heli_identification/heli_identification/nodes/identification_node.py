@@ -10,6 +10,7 @@ from heli_common.nodes.runner import ComponentProgram, run_node  # first: it tak
 from rclpy.node import Node
 
 from heli_common.nodes.parameters import declare_parameters, declare_request, declare_text
+from heli_common.nodes.requests import Requests
 from heli_common.topics import IDENTIFICATION
 from heli_identification.excitation_guard import GuardParameters
 from heli_identification.excitation_words import excitations_from_text
@@ -23,11 +24,24 @@ class IdentificationProgram(ComponentProgram):
     def __init__(self, identifier: Identifier) -> None:
         super().__init__(identifier)
         self._identifier = identifier
+        self._requests = Requests()
+
+    def request(self, text: str) -> None:
+        """Excite, or stop exciting, from the next control tick on.
+
+        Raises:
+            InputError: it is not allowed.
+        """
+        self._identifier.request(text)
+        self._requests.add(text)
 
     def on_message(self, topic: str, data: bytes) -> None:
         """Act, then tell people about it."""
         stamp_ns, values = self._unpack[topic](data)
-        self.publish(self.component.receive(topic, stamp_ns, values))
+        sent = self.component.receive(topic, stamp_ns, values)
+        self.publish(sent)
+        if sent and topic != "servo_command":
+            self._requests.tell(self.connection, stamp_ns)
         remarks = self._identifier.remarks
         while remarks and self.connection is not None:
             level, text = remarks.pop(0)
@@ -46,8 +60,9 @@ def build(node: Node, _running: tuple[str, ...]) -> IdentificationProgram:
     identifier = Identifier(excitations_from_text(plan), guard, estimate)
     about = "set it to excite now, e.g. {signal: prbs, channel: B_1s, amplitude_deg: 0.5, "
     about += "band_rad_s: [0.5, 12], duration: 20}; an empty text stops"
-    declare_request(node, "excite", "", about, lambda text: identifier.request(str(text)))
-    return IdentificationProgram(identifier)
+    program = IdentificationProgram(identifier)
+    declare_request(node, "excite", "", about, lambda text: program.request(str(text)))
+    return program
 
 
 def main() -> None:

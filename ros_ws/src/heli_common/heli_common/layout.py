@@ -169,11 +169,26 @@ class Layout:
         for data in messages:
             if len(data) != self.size:
                 raise ValueError(f"{self.ros_type}: {len(data)} bytes instead of {self.size}")
-        table = np.frombuffer(b"".join(messages), dtype=self.dtype)
-        stamps = table["sec"].astype(np.int64) * _NANOSECONDS + table["nanosec"]
-        values = np.empty((len(messages), len(self.fields)))
-        for column, name in enumerate(self.fields):
-            values[:, column] = table[name]
+        table = np.frombuffer(b"".join(messages), dtype=np.uint8)
+        return self.read_table(table.reshape(len(messages), self.size))
+
+    def read_table(self, table: NDArray[np.uint8]) -> tuple[NDArray[np.int64], Values]:
+        """Many messages at once that stand behind each other, one per row.
+
+        Returns:
+            stamps [ns], shape (n,), and numbers, shape (n, len(fields)).
+
+        Raises:
+            ValueError: a row is no message of this layout.
+        """
+        if table.shape[1] != self.size:
+            raise ValueError(f"{self.ros_type}: {table.shape[1]} bytes instead of {self.size}")
+        rows = np.ascontiguousarray(table)
+        stamp = rows[:, self.stamp_offset : self.stamp_offset + 8].copy().view("<u4").astype(np.int64)
+        stamps = stamp[:, 0].astype(np.int32) * np.int64(_NANOSECONDS) + stamp[:, 1]
+        values = np.empty((len(rows), len(self.fields)))
+        for offset, packer, first, last in self._runs:  # type: ignore[attr-defined]
+            values[:, first:last] = rows[:, offset : offset + packer.size].view("<f8")
         return stamps, values
 
 

@@ -1,42 +1,59 @@
 """Writing a flight's bag: a rosbag2 folder that is readable at every moment (spec 6.3, 7.5).
 
-The folder has its final name from the first moment. MCAP chunks are closed and flushed every half second of
-stamps and metadata.yaml is renewed every second, so that a recorder killed at any time leaves everything up
-to half a second before. Messages are kept as they came, log time = publish time = stamp.
+The folder has its final name from the first moment. The storage file is flushed every half second of stamps,
+is whole after each flush, and metadata.yaml is renewed every second, so that a recorder killed at any time
+leaves everything up to half a second before, for every reader. When the disk is full the writer says so once
+and the bag ends with the last flush. Messages are kept as they came, log time = publish time = stamp.
 """
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from mcap.writer import CompressionType, Writer
+import zstandard
 from rosbags.typesys import Stores, get_typestore
 
 from heli_common.errors import InputError
 from heli_common.files import write_atomically
 from heli_common.topics import TOPICS
 from heli_flight.bag_metadata import (
+    FLIGHT_RECORD_NAME,
     METADATA_FILE,
     NO_START,
+    PACKED_SUFFIX,
     RecordedTopic,
     bag_information,
     dump_yaml,
     qos_profile,
 )
-from heli_flight.bag_reader import Bag, BagReader, read_bag, topic_name
+from heli_flight.bag_reader import Bag, read_bag, topic_name
+from heli_flight.mcap_file import McapFile
+from heli_flight.sqlite_file import SqliteFile
 
-__all__ = ["Bag", "BagReader", "BagWriter", "read_bag", "topic_name"]
+__all__ = ["STORAGES", "Bag", "BagWriter", "read_bag", "topic_name"]
 
+STORAGES: dict[str, Callable[[Path], McapFile | SqliteFile]] = {
+    "mcap": McapFile,
+    "sqlite3": SqliteFile,
+    "mcap_uncompressed": lambda path: McapFile(path, level=0),
+    "mcap_packed": lambda path: McapFile(path, level=0),
+    "sqlite3_packed": SqliteFile,
+}
+"""Ways of storing. Packed: when the bag is closed, zstd compresses the whole file, as rosbag2's mode FILE."""
+
+_PACKING_LEVEL, _WINDOW = 12, 24
 FLUSH_INTERVAL_NS = 500_000_000
 METADATA_INTERVAL_NS = 1_000_000_000
-CHUNK_BYTES = 512 * 1024
-FLIGHT_RECORD_NAME = "heli_flight"
-"""MCAP metadata record at the head of the file: the custom data known at the start."""
+
+
+def _no_remarks() -> dict[str, str]:
+    return {}
 
 
 class BagWriter:
@@ -45,28 +62,42 @@ class BagWriter:
     Args:
         folder: of the bag, final name; made here.
         custom_data: what is known of the flight at its start, see `bag_metadata`.
+        storage: one of `STORAGES`.
+
+    Attributes:
+        remarks: asked each time the metadata are renewed for what has become known in flight.
 
     Raises:
-        InputError: the folder exists and is not empty, or is a file.
+        InputError: the folder exists and is not empty, is a file, or cannot be written; no such storage.
     """
 
-    def __init__(self, folder: Path, custom_data: Mapping[str, str] | None = None) -> None:
-        if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
-            raise InputError("exists already", allowed="a new or an empty folder", file=folder)
-        self.folder = folder
+    def __init__(
+        self, folder: Path, custom_data: Mapping[str, str] | None = None, storage: str = "mcap"
+    ) -> None:
+        if storage not in STORAGES:
+            raise InputError(f"{storage!r} is refused", allowed=", ".join(STORAGES), key="storage")
         self.custom_data = _checked(custom_data or {})
+        self.remarks: Callable[[], Mapping[str, str]] = _no_remarks
+        self.folder = folder
         self._topics: dict[str, RecordedTopic] = {}
         self._schemas: dict[str, int] = {}
         self._start_ns, self._end_ns = NO_START, 0
         self._next_flush = self._next_metadata = -1
-        folder.mkdir(parents=True, exist_ok=True)
-        self._path = folder / f"{folder.resolve().name}_0.mcap"
-        self._stream = self._path.open("wb")
-        self._writer = Writer(self._stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
-        self._writer.start(profile="ros2", library="heli_flight")
-        self._writer.add_metadata(FLIGHT_RECORD_NAME, self.custom_data)
-        self._writer.flush()
-        self._write_metadata()
+        self._flushed_ns = 0
+        self._open = True
+        self._packs, self._packed = storage.endswith("_packed"), ""
+        try:
+            if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+                raise InputError("exists already", allowed="a new or an empty folder", file=folder)
+            folder.mkdir(parents=True, exist_ok=True)
+            name = f"{folder.resolve().name}_0"
+            self._file = STORAGES[storage](folder / name)
+            self._file.add_metadata(FLIGHT_RECORD_NAME, self.custom_data)
+            self._file.flush()
+            self._write_metadata()
+        except OSError as error:
+            problem = f"cannot be written: {error.strerror or error}"
+            raise InputError(problem, allowed="a folder with space", file=folder) from None
 
     def __enter__(self) -> BagWriter:
         return self
@@ -108,11 +139,11 @@ class BagWriter:
             raise ValueError(f"topic {name!r} is announced already")
         definition, type_hash = _message_definition(ros_type)
         if ros_type not in self._schemas:
-            self._schemas[ros_type] = self._writer.register_schema(ros_type, "ros2msg", definition.encode())
+            self._schemas[ros_type] = self._file.add_schema(ros_type, definition, type_hash)
         qos = qos_profile(depth, transient_local)
         absolute = name if name.startswith("/") else f"/{name}"
         about = {"offered_qos_profiles": dump_yaml([qos]), "topic_type_hash": type_hash}
-        channel = self._writer.register_channel(absolute, "cdr", self._schemas[ros_type], about)
+        channel = self._file.add_channel(absolute, ros_type, self._schemas[ros_type], about)
         known = TOPICS.get(topic_name(name))
         period = known.period_ns if known else 0
         self._topics[name] = RecordedTopic(absolute, ros_type, type_hash, qos, period, channel)
@@ -127,11 +158,13 @@ class BagWriter:
 
         Raises:
             ValueError: the topic was not announced.
+            OSError: the bag cannot be written any more; said once, what comes later is dropped.
         """
+        if not self._open:
+            return
         track = self._topics.get(topic)
         if track is None:
             raise ValueError(f"topic {topic!r} was not announced")
-        self._writer.add_message(track.channel, stamp_ns, data, stamp_ns, track.count)
         track.count += 1
         if track.period_ns and stamp_ns - track.last_ns != track.period_ns:
             self._note_gap(track, stamp_ns)
@@ -140,24 +173,43 @@ class BagWriter:
             self._start_ns = stamp_ns
         if stamp_ns > self._end_ns:
             self._end_ns = stamp_ns
-        if stamp_ns >= self._next_flush:
-            self._flush(stamp_ns)
+        try:
+            self._file.add_message(track.channel, stamp_ns, data)
+            if stamp_ns >= self._next_flush:
+                self._flush(stamp_ns)
+        except OSError as error:
+            self._give_up()
+            reason = error.strerror or str(error)
+            kept = f"the bag ends at {self._flushed_ns * 1e-9:.2f} s"
+            raise OSError(f"{self._file.path}: {reason}; {kept}") from None
 
     def close(self, extra_custom_data: Mapping[str, str] | None = None) -> None:
         """Finish the file and the metadata; a second call does nothing.
 
         Args:
             extra_custom_data: what became known in flight: late commands, result, parameters changed.
+
+        Raises:
+            OSError: the bag cannot be written any more; what was flushed is in it.
         """
-        if self._stream.closed:
+        if not self._open:
             return
         self.custom_data |= _checked(extra_custom_data or {})
-        self.custom_data |= {"counts": json.dumps(self.counts), "losses": json.dumps(self.losses)}
-        self._writer.flush()
-        self._writer.add_metadata("rosbag2", {"serialized_metadata": dump_yaml(self._information())})
-        self._writer.finish()
-        self._stream.close()
-        self._write_metadata()
+        self._open = False
+        try:
+            self._file.close(dump_yaml(self._information()))
+            if self._packs:
+                self._packed = _pack(self._file.path).name
+            self._write_metadata()
+        except OSError as error:
+            raise OSError(f"{self._file.path}: {error.strerror or error}; not closed") from None
+
+    def _give_up(self) -> None:
+        """Leave the bag as the last flush left it; a last renewal of the metadata may find no space."""
+        self._open = False
+        self._file.abandon()
+        with contextlib.suppress(OSError):
+            self._write_metadata()
 
     def _note_gap(self, track: RecordedTopic, stamp_ns: int) -> None:
         missing = (stamp_ns - track.last_ns) // track.period_ns - 1
@@ -166,20 +218,36 @@ class BagWriter:
             track.gaps += 1
 
     def _flush(self, stamp_ns: int) -> None:
-        self._writer.flush()
+        self._file.flush()
+        self._flushed_ns = self._end_ns
         self._next_flush = stamp_ns + FLUSH_INTERVAL_NS
         if stamp_ns >= self._next_metadata:
             self._next_metadata = stamp_ns + METADATA_INTERVAL_NS
             self._write_metadata()
 
     def _information(self) -> dict[str, Any]:
+        figures = {"counts": json.dumps(self.counts), "losses": json.dumps(self.losses)}
+        custom_data = self.custom_data | _checked(self.remarks()) | figures
+        file = self._file
+        name = self._packed or file.path.name
         return bag_information(
-            self._path.name, self._topics.values(), self._start_ns, self._end_ns, self.custom_data
+            name, file.identifier, self._topics.values(), self._start_ns, self._end_ns, custom_data
         )
 
     def _write_metadata(self) -> None:
         document = {"rosbag2_bagfile_information": self._information()}
         write_atomically(self.folder / METADATA_FILE, dump_yaml(document))
+
+
+def _pack(path: Path) -> Path:
+    """Compress a file as a whole in its place."""
+    packed = path.with_name(f"{path.name}{PACKED_SUFFIX}")
+    settings = zstandard.ZstdCompressionParameters.from_level(_PACKING_LEVEL, window_log=_WINDOW)
+    compressor = zstandard.ZstdCompressor(compression_params=settings)
+    with path.open("rb") as plain, packed.open("wb") as stream:
+        compressor.copy_stream(plain, stream, size=path.stat().st_size)
+    path.unlink()
+    return packed
 
 
 def _checked(custom_data: Mapping[str, str]) -> dict[str, str]:

@@ -10,9 +10,12 @@
 | controllers | name, SHA-256 of the file's text and plant hash of each, JSON list |
 | motor_file | the motor controller's file as flown (YAML) |
 | parameters, versions | JSON objects |
-| counts, losses | JSON objects, written by `BagWriter` itself |
+| counts, losses | JSON objects, written by `BagWriter` itself and renewed with the metadata |
+| jitter | real time: JSON object, per topic rms and largest deviation of the time between two arrivals [ms] |
 | late_TOPIC | how many commands of a topic came too late |
 | pauses, paused_s | real time: how often and how long the bench itself was kept from running |
+| repaired | what was wrong with the bag of which this one was made |
+| left_out, sha256_with_left_out | topics that a copy does without; hash of the flight with them |
 | result | why the flight ended, if not by its plan |
 """
 
@@ -24,7 +27,12 @@ from typing import Any
 
 import yaml
 
+PACKED_SUFFIX = ".zstd"
+"""Ending of a storage file that was compressed as a whole."""
+
 METADATA_FILE = "metadata.yaml"
+FLIGHT_RECORD_NAME = "heli_flight"
+"""MCAP metadata record at the head of the file: the custom data known at the start."""
 METADATA_VERSION = 9
 ROS_DISTRO = "jazzy"
 NO_START = 2**63 - 1
@@ -99,6 +107,7 @@ def dump_yaml(document: object) -> str:
 
 def bag_information(
     storage_file: str,
+    storage: str,
     topics: Iterable[RecordedTopic],
     start_ns: int,
     end_ns: int,
@@ -107,19 +116,21 @@ def bag_information(
     """The mapping below `rosbag2_bagfile_information`.
 
     Args:
-        storage_file: name of the MCAP file in the folder.
+        storage_file: name of the storage file in the folder.
+        storage: `mcap` or `sqlite3`.
         topics: what has been recorded so far.
         start_ns: first stamp, `NO_START` of an empty bag.
         end_ns: last stamp.
         custom_data: text to text.
     """
     listed = list(topics)
+    packed = storage_file.endswith(PACKED_SUFFIX)
     count = sum(topic.count for topic in listed)
     start = {"nanoseconds_since_epoch": start_ns}
     duration = {"nanoseconds": max(0, end_ns - start_ns)}
     return {
         "version": METADATA_VERSION,
-        "storage_identifier": "mcap",
+        "storage_identifier": storage,
         "duration": duration,
         "starting_time": start,
         "message_count": count,
@@ -136,8 +147,8 @@ def bag_information(
             }
             for topic in listed
         ],
-        "compression_format": "",
-        "compression_mode": "",
+        "compression_format": "zstd" if packed else "",
+        "compression_mode": "FILE" if packed else "",
         "relative_file_paths": [storage_file],
         "files": [
             {"path": storage_file, "starting_time": start, "duration": duration, "message_count": count}

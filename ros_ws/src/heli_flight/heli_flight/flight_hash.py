@@ -19,6 +19,7 @@ from heli_common.errors import InputError
 from heli_common.layout import Layout
 from heli_common.topics import DATA_TOPICS, TOPICS
 from heli_flight.bag_reader import Bag
+from heli_flight.packed import PackedMessages, pack
 
 _BLOCK = 4096
 """Messages that are hashed at a time."""
@@ -27,37 +28,40 @@ Entry = tuple[int, str, int, bytes]
 """Stamp [ns], topic, index within the topic, canonical CDR."""
 
 
-def canonical_messages(layout: Layout, messages: Sequence[bytes]) -> list[bytes]:
+def canonical_messages(layout: Layout, messages: Sequence[bytes]) -> Sequence[bytes]:
     """The messages as this project's codec writes them; nearly all of them are so already.
 
     Raises:
         ValueError: names, frames or lengths differ from the agreed ones.
     """
-    if any(len(data) != layout.size for data in messages):
+    packed = pack(messages)
+    if not isinstance(packed, PackedMessages) or packed.table.shape[1] != layout.size:
         return [layout.canonical(data) for data in messages]
-    table = np.frombuffer(b"".join(messages), dtype=np.uint8).reshape(len(messages), layout.size)
-    fixed = _fixed_bytes(layout)
+    strange = np.zeros(len(packed), dtype=np.bool_)
     template = np.frombuffer(layout.template, dtype=np.uint8)
-    strange = np.any(table[:, fixed] != template[fixed], axis=1)
-    canonical = list(messages)
+    for first, last in _fixed_spans(layout):
+        strange |= np.any(packed.table[:, first:last] != template[first:last], axis=1)
+    if not strange.any():
+        return packed
+    canonical = list(packed)
     for index in np.flatnonzero(strange).tolist():
-        canonical[index] = layout.canonical(messages[index])
+        canonical[index] = layout.canonical(canonical[index])
     return canonical
 
 
-def _fixed_bytes(layout: Layout) -> NDArray[np.bool_]:
-    """Which bytes are the same in every canonical message: all but stamp and numbers."""
-    fixed = np.ones(layout.size, dtype=np.bool_)
-    fixed[layout.stamp_offset : layout.stamp_offset + 8] = False
-    for offset in layout.offsets:
-        fixed[offset : offset + 8] = False
-    return fixed
+def _fixed_spans(layout: Layout) -> list[tuple[int, int]]:
+    """Which bytes are the same in every canonical message: all but stamp and numbers; from, to."""
+    free = sorted((layout.stamp_offset, *layout.offsets))
+    starts, ends = [0, *(place + 8 for place in free)], [*free, layout.size]
+    return [(start, end) for start, end in zip(starts, ends, strict=True) if end > start]
 
 
 def stamps_of(layout: Layout, messages: Sequence[bytes]) -> NDArray[np.int64]:
     """The stamps [ns] in the headers of messages of one layout, shape (n,)."""
-    table = np.frombuffer(b"".join(messages), dtype=layout.dtype)
-    return np.asarray(table["sec"].astype(np.int64) * 1_000_000_000 + table["nanosec"])
+    packed = pack(messages)
+    table = packed.table if isinstance(packed, PackedMessages) else b"".join(packed)
+    rows = np.frombuffer(table, dtype=layout.dtype)
+    return np.asarray(rows["sec"].astype(np.int64) * 1_000_000_000 + rows["nanosec"])
 
 
 def ordered(messages: Mapping[str, Sequence[bytes]]) -> list[Entry]:
@@ -143,7 +147,9 @@ def _hashed_rows(topic: str, messages: Sequence[bytes]) -> NDArray[np.void]:
     table = np.empty(len(canonical), dtype=fields)
     table["topic"], table["length"] = np.void(name), layout.size
     table["stamp"] = stamps_of(layout, canonical)
-    table["data"] = np.frombuffer(b"".join(canonical), dtype=f"V{layout.size}")
+    packed = pack(canonical)
+    rows = packed.table if isinstance(packed, PackedMessages) else b"".join(packed)
+    table["data"] = np.frombuffer(rows, dtype=f"V{layout.size}")
     return table
 
 

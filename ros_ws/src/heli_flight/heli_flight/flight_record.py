@@ -15,6 +15,7 @@ from heli_common.topics import SERVO_CHANNELS, TOPICS
 from heli_common.vehicle_state import UNKNOWN_VARIANCE
 from heli_flight.bag_reader import Bag, read_bag
 from heli_flight.flight_hash import canonical_messages
+from heli_flight.packed import read_layout
 
 Array = NDArray[np.float64]
 Stamps = NDArray[np.int64]
@@ -143,11 +144,13 @@ class FlightRecord:
             messages = bag.messages.get(name, [])
             layout = topic.layout
             try:
-                stamps, values = layout.read(canonical_messages(layout, messages) if messages else [])
+                stamps, values = read_layout(layout, canonical_messages(layout, messages) if messages else [])
             except ValueError as error:
                 raise InputError(str(error), file=bag.folder, key=name) from None
-            order = np.argsort(stamps, kind="stable")
-            self.series[name] = Series(stamps[order], values[order], layout.fields)
+            if (np.diff(stamps) < 0).any():
+                order = np.argsort(stamps, kind="stable")
+                stamps, values = stamps[order], values[order]
+            self.series[name] = Series(stamps, values, layout.fields)
 
     @classmethod
     def load(cls, folder: Path) -> FlightRecord:

@@ -64,7 +64,7 @@ def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:
         topics.MOTOR_CONTROLLER: {"controller": order.motor_name},
         topics.ATTITUDE_CONTROLLER: _attitude_settings(order),
         topics.IDENTIFICATION: {"excitations": order.plan.excitations_text},
-        topics.RECORDER: {"bag": str(order.bag), "notes": str(notes)},
+        topics.RECORDER: {"bag": str(order.bag), "notes": str(notes), "storage": order.storage},
     }
     scheduled = order.mode is Mode.REALTIME and order.real_time_scheduling
     priority = process.priority if scheduled else 0

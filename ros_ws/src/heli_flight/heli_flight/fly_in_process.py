@@ -30,7 +30,7 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
     values = read_parameters(order.parameters) if order.parameters else DEFAULTS
     bench = bench_simulator(order.seed, values, order.plan, order.identified)
     leader = supervisor(order.plan, values)
-    bag = BagWriter(order.bag, order.notes())
+    bag = BagWriter(order.bag, order.notes(), order.storage)
     recorded = data_topics(order.running)
     for topic in recorded:
         bag.add_topic(topic, TOPICS[topic].layout.ros_type)
@@ -53,12 +53,15 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
                 tell(Progress(seconds, leader.state, leader.phase, len(order.plan.phases), leader.reason))
         if leader.state is FlightState.FAULT:
             code, reason = EXIT_SAFETY_STOP, leader.reason
-    except (SafetyStop, ValueError) as error:
+    except (SafetyStop, ValueError, OSError) as error:
         bench.switch_off()
         code, reason = EXIT_SAFETY_STOP, str(error)
     except KeyboardInterrupt:
         code, reason = EXIT_INTERRUPTED, "interrupted"
     finally:
-        bag.close(bench.remarks() | ({"result": reason} if reason else {}))
+        try:
+            bag.close(bench.remarks() | ({"result": reason} if reason else {}))
+        except OSError as error:
+            code, reason = EXIT_SAFETY_STOP, str(error)
     simulated = max(bench.stamp_ns, -SENSOR_PERIOD_NS) * 1e-9
     return FlightEnd(code, reason, simulated, perf_counter() - started)

@@ -1,24 +1,21 @@
-"""Recorded inputs of a node through its component again: what it sends must be what it sent (spec 6.2)."""
+"""Recorded inputs of a node through its component again: what it sends must be what it sent (spec 6.2).
+
+What was asked of the node in flight, by parameter or service, stands in the recorded diagnostics with the
+stamp at which it acted, and is asked of the component at the same stamp.
+"""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-from heli_common import topics
-from heli_common.component import Component
+from heli_common.component import Message
 from heli_common.errors import InputError
+from heli_common.flight_state import flight_state_from_code
 from heli_common.topics import DATA_TOPICS, TOPICS
-from heli_control.controller_file import ControllerFile
-from heli_control.motor_controller_file import MotorControllerFile
 from heli_flight.bag_reader import Bag
-from heli_flight.components import DEFAULTS, controllers, identifier, navigator, supervisor
-from heli_flight.flight_hash import canonical_messages
-from heli_flight.parameter_file import NodeValues, read_parameters
-from heli_flight.plan import Plan, parse_plan
+from heli_flight.flight_hash import canonical_messages, stamps_of
+from heli_flight.replay_components import Replayed, build
 
 
 @dataclass(frozen=True)
@@ -30,12 +27,16 @@ class TopicReplay:
         recorded: messages in the bag.
         repeated: messages that the component sent.
         different: stamp of the first message that is not the same [ns], or None.
+        until_ns: newest stamp that was compared [ns].
+        whole: whether the flight came to its end in the bag; if not, what reaches further is not compared.
     """
 
     topic: str
     recorded: int
     repeated: int
     different: int | None
+    until_ns: int
+    whole: bool
 
     @property
     def same(self) -> bool:
@@ -51,90 +52,67 @@ def replay(bag: Bag, node: str) -> list[TopicReplay]:
         node: name of the node.
 
     Raises:
-        InputError: no such node, or the bag does not say how it was built or what it heard.
+        InputError: no such node, the bag does not say how it was built or what it heard, or what it sent
+            depended on more than that.
     """
-    component = build(bag, node)
+    replayed = build(bag, node)
+    component = replayed.component
     for topic in component.inputs:
         if not bag.messages.get(topic):
             raise InputError("holds nothing of it", allowed="a whole flight", file=bag.folder, key=topic)
+    outputs = tuple(topic for topic in component.outputs if topic in DATA_TOPICS)
+    until_ns, whole = _end(bag, (*component.inputs, *outputs))
+    sent: dict[str, list[bytes]] = {topic: [] for topic in outputs}
+    for message in _run(bag, replayed):
+        if message.topic in sent and message.stamp_ns <= until_ns:
+            data = TOPICS[message.topic].layout.pack(message.stamp_ns, message.values)
+            sent[message.topic].append(data)
+    return [_compare(bag, topic, sent[topic], until_ns, whole) for topic in outputs]
+
+
+def _run(bag: Bag, replayed: Replayed) -> list[Message]:
+    """Everything that the component sends."""
+    component = replayed.component
     heard = [
         (TOPICS[topic].layout.stamp(data), order, topic, data)
         for order, topic in enumerate(DATA_TOPICS)
         if topic in component.inputs
         for data in bag.messages[topic]
     ]
-    sent: dict[str, list[bytes]] = {topic: [] for topic in component.outputs}
-    for stamp_ns, _, topic, data in sorted(heard, key=lambda entry: entry[:2]):
+    heard.sort(key=lambda entry: entry[:2])
+    requests = list(replayed.requests)
+    sent: list[Message] = []
+    for stamp_ns, _, topic, data in heard:
+        while requests and requests[0][0] <= stamp_ns:
+            replayed.ask(*requests.pop(0))
         _, values = TOPICS[topic].layout.unpack(data)
-        for message in component.receive(topic, stamp_ns, values):
-            sent[message.topic].append(TOPICS[message.topic].layout.pack(message.stamp_ns, message.values))
-    return [_compare(topic, bag.messages.get(topic, []), sent[topic]) for topic in component.outputs]
+        sent += component.receive(topic, stamp_ns, values)
+    return sent
 
 
-def _compare(topic: str, recorded: list[bytes], repeated: list[bytes]) -> TopicReplay:
+def _end(bag: Bag, names: Sequence[str]) -> tuple[int, bool]:
+    """Stamp up to which inputs and outputs can be compared, and whether the flight ends with it."""
+    layout = TOPICS["flight_state"].layout
+    for data in bag.messages.get("flight_state", []):
+        stamp_ns, values = layout.unpack(data)
+        if flight_state_from_code(values[0]).ended:
+            return stamp_ns, True
+    # a slow topic says nothing of the time until its next message
+    last = [
+        int(stamps_of(TOPICS[name].layout, bag.messages[name])[-1]) + TOPICS[name].period_ns - 1
+        for name in names
+        if bag.messages.get(name)
+    ]
+    return min(last), False
+
+
+def _compare(bag: Bag, topic: str, repeated: list[bytes], until_ns: int, whole: bool) -> TopicReplay:
     layout = TOPICS[topic].layout
-    originals = canonical_messages(layout, recorded) if recorded else []
+    recorded = bag.messages.get(topic, [])
+    originals: Sequence[bytes] = canonical_messages(layout, recorded) if recorded else []
+    if not whole:
+        originals = [data for data in originals if layout.stamp(data) <= until_ns]
     different = next(
         (layout.stamp(one) for one, other in zip(originals, repeated, strict=False) if one != other), None
     )
-    return TopicReplay(topic, len(originals), len(repeated), different)
-
-
-def build(bag: Bag, node: str) -> Component:
-    """The component of a node as it flew, from what the bag carries.
-
-    Raises:
-        InputError: no such node, or a remark of the bag is missing or damaged.
-    """
-    values = _parameters(bag)
-    builders: dict[str, Callable[[], Component]] = {
-        topics.NAVIGATION: lambda: navigator(values),
-        topics.SUPERVISOR: lambda: supervisor(_plan(bag), values),
-        topics.IDENTIFICATION: lambda: identifier(_plan(bag), values),
-    }
-    for name in (topics.POSITION_CONTROLLER, topics.ATTITUDE_CONTROLLER, topics.MOTOR_CONTROLLER):
-        builders[name] = lambda name=name: _controller(bag, name, values)  # type: ignore[misc]
-    if node not in builders:
-        raise InputError(f"unknown node {node!r}", allowed=", ".join(builders), key="--into")
-    return builders[node]()
-
-
-def _controller(bag: Bag, name: str, values: NodeValues) -> Component:
-    files = []
-    for text in _remark(bag, "controller_file").split("---\n"):
-        with _as_file(text) as path:
-            files.append(ControllerFile.read(path))
-    with _as_file(_remark(bag, "motor_file")) as path:
-        motor = MotorControllerFile.read(path)
-    identified = bool(bag.messages.get("reference_excitation"))
-    (found,) = (
-        part for part in controllers(files[0], values, files[1:], motor, identified) if part.name == name
-    )
-    return found
-
-
-def _plan(bag: Bag) -> Plan:
-    return parse_plan(_remark(bag, "plan"), str(bag.folder))
-
-
-def _parameters(bag: Bag) -> NodeValues:
-    text = _remark(bag, "parameters")
-    if text == "defaults":
-        return DEFAULTS
-    with _as_file(text) as path:
-        return read_parameters(path)
-
-
-@contextmanager
-def _as_file(text: str) -> Iterator[Path]:
-    with tempfile.TemporaryDirectory(prefix="heli_") as folder:
-        path = Path(folder) / "remark.yaml"
-        path.write_text(text)
-        yield path
-
-
-def _remark(bag: Bag, key: str) -> str:
-    text = bag.custom_data.get(key)
-    if text is None:
-        raise InputError("is missing", allowed="a bag of `heli fly`", file=bag.folder, key=key)
-    return text
+    return TopicReplay(topic, len(originals), len(repeated), different, until_ns, whole)

@@ -174,6 +174,14 @@ def _schedule(name: str, priority: int) -> None:
         sys.stderr.write(f"{name}: warning: {refused}; ordinary scheduling\n")
 
 
+def _close(program: Program, guard: _Guard) -> None:
+    try:
+        program.close()
+    except OSError as error:
+        sys.stderr.write(f"{program.name}: {error}\n")
+        guard.code = EXIT_SAFETY_STOP
+
+
 def _run(node: Node, program: Program, running: tuple[str, ...], priority: int) -> int:
     guard = _Guard()
     on_message = partial(guard.call, program.on_message)
@@ -197,6 +205,6 @@ def _run(node: Node, program: Program, running: tuple[str, ...], priority: int) 
             connection.diagnose(0, "error", guard.failure)
         connection.flush()
     finally:
-        program.close()
+        _close(program, guard)
         executor.shutdown()
     return guard.code

@@ -15,6 +15,7 @@ from heli_common.model_file import ModelFile
 from heli_common.topics import IDENTIFICATION, OPTIONAL_NODES
 from heli_control.controller_file import load_controller
 from heli_control.motor_controller_file import load_motor_controller
+from heli_flight.bag import STORAGES
 from heli_flight.cli.live import LiveProgress
 from heli_flight.flight_hash import bag_hash, count_check
 from heli_flight.flight_record import FlightRecord
@@ -68,6 +69,7 @@ def add_parser(words: Any) -> None:
     )
     fly.add_argument("--out", type=Path, default=Path("flights"), help="folder for bags (default: flights)")
     fly.add_argument("--name", help="name of the bag's folder (default: plan, mode and time of day)")
+    fly.add_argument("--storage", default="mcap", choices=tuple(STORAGES), help="how the bag is stored")
     fly.add_argument("--no-report", action="store_true", help="leave the bag only")
     fly.add_argument(
         "--no-real-time-scheduling", action="store_true", help="do not ask for SCHED_FIFO in real time"
@@ -132,6 +134,7 @@ def _order(options: argparse.Namespace) -> FlightOrder:
         plant=plant,
         replaced=_replaced(options.replace, options.mode),
         with_identification=IDENTIFICATION in options.more,
+        storage=options.storage,
     )
 
 

@@ -27,7 +27,12 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         "To play a bag into a live graph, use replay.sh.",
     )
     parser.add_argument("bag", type=Path, metavar="BAG", help="folder of the bag")
-    parser.add_argument("--into", required=True, metavar="NODE", help="for example navigation")
+    parser.add_argument(
+        "--into",
+        required=True,
+        metavar="NODE",
+        help="any but the recorder",
+    )
     parser.add_argument("--check", action="store_true", help="exit code 1 unless every byte is the same")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(func=run)
@@ -51,4 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
         console = Console(highlight=False)
         console.print(table)
         console.print("every byte is the same" if same else "not the same")
+        if not found[0].whole:
+            until = found[0].until_ns * 1e-9
+            console.print(f"compared until {until:.3f} s: the flight has no end in this bag")
     return EXIT_FLOWN if same or not arguments.check else EXIT_DIFFERENT

@@ -14,26 +14,31 @@ from rclpy.node import Node
 from heli_common.errors import InputError
 from heli_common.nodes.parameters import declare_text
 from heli_common.topics import RECORDER, TOPICS, data_topics
-from heli_flight.bag import BagWriter
+from heli_flight.bag import STORAGES, BagWriter
 from heli_flight.nodes.recorder_program import DIAGNOSTICS, RecorderProgram
+
+REALTIME = "realtime"
 
 
 def build(node: Node, running: tuple[str, ...]) -> RecorderProgram:
     """Declare parameters and open the bag.
 
     Raises:
-        InputError: no folder is given, it is not empty, or the notes are unreadable.
+        InputError: no folder is given, it is not empty or cannot be written, no such storage, or the
+            notes are unreadable.
     """
     folder = declare_text(node, "bag", "", "folder of the bag to write")
+    storage = declare_text(node, "storage", "mcap", f"way of storing: {', '.join(STORAGES)}")
     notes = declare_text(node, "notes", "", "JSON file of what the bag shall carry: plan, seed, versions")
     if not folder:
         raise InputError("no folder given", allowed="a new folder", key="bag")
-    bag = BagWriter(Path(folder), _read_notes(notes))
+    about = _read_notes(notes)
+    bag = BagWriter(Path(folder), about, storage)
     recorded = data_topics(running)
     for topic in recorded:
         bag.add_topic(topic, TOPICS[topic].layout.ros_type)
     bag.add_topic(DIAGNOSTICS, "diagnostic_msgs/msg/DiagnosticArray")
-    return RecorderProgram(node, bag, recorded)
+    return RecorderProgram(node, bag, recorded, about.get("mode") == REALTIME)
 
 
 def _read_notes(path: str) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from time import monotonic
+from time import monotonic, perf_counter
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
@@ -12,6 +12,7 @@ from heli_common.component import Message
 from heli_common.nodes.connection import Connection
 from heli_common.nodes.qos import DATA
 from heli_common.topics import BENCH_SIM, RECORDER
+from heli_flight.arrivals import Arrivals
 from heli_flight.bag import BagWriter
 from heli_flight.recorder import FlightRecorder
 
@@ -21,16 +22,26 @@ TURN_SECONDS = 0.05
 
 
 class RecorderProgram:
-    """Writes every data topic and diagnostics until the flight has ended and is complete."""
+    """Writes every data topic and diagnostics until the flight has ended and is complete.
+
+    Args:
+        node: of the recorder.
+        bag: to write into.
+        topics: that are recorded.
+        real_time: whether time between arrivals means anything.
+    """
 
     name = RECORDER
     outputs: tuple[str, ...] = ("recorder_ack",)
 
-    def __init__(self, node: Node, bag: BagWriter, topics: tuple[str, ...]) -> None:
+    def __init__(self, node: Node, bag: BagWriter, topics: tuple[str, ...], real_time: bool) -> None:
         self.inputs = topics
         self.finished = False
         self._bag = bag
         self._recorder = FlightRecorder(bag, topics)
+        self._arrivals = Arrivals(topics) if real_time else None
+        if self._arrivals is not None:
+            bag.remarks = self._arrivals.remarks
         self._closing_since = 0.0
         self._said: dict[str, str] = {}
         self._bench_ended = False
@@ -45,6 +56,8 @@ class RecorderProgram:
 
     def on_message(self, topic: str, data: bytes) -> None:
         """Record a message and acknowledge what is complete."""
+        if self._arrivals is not None:
+            self._arrivals.note(topic, data, perf_counter())
         acknowledged = self._recorder.receive(topic, data)
         if acknowledged is not None and self._connection is not None:
             self._connection.publish([Message("recorder_ack", acknowledged, ())])

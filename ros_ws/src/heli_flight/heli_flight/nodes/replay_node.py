@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
+from math import inf
 from pathlib import Path
-from time import perf_counter
 
 from heli_common.nodes.runner import run_node  # first: it takes the signals before rclpy does
 
@@ -12,104 +13,113 @@ from heli_common.nodes.runner import run_node  # first: it takes the signals bef
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
-from heli_common.component import Message
-from heli_common.errors import InputError
-from heli_common.nodes.connection import Connection
+from heli_common.errors import EXIT_BAD_INPUT, InputError
 from heli_common.nodes.parameters import declare_names, declare_text
 from heli_common.topics import DATA_TOPICS, TOPICS
-from heli_flight.bag_reader import read_bag
+from heli_flight.bag_reader import Bag, read_bag
+from heli_flight.nodes.replay_program import REPLAY, Recorded, ReplayProgram, declare_rate
+from heli_flight.playback import Playback
 
-REPLAY = "replay"
-CLOCK = "clock"
-READY_SECONDS = 0.02
-
-
-class ReplayProgram:
-    """Publishes messages at the distances of their stamps.
-
-    Args:
-        messages: topic, stamp [ns] and serialized message, in the order of playing.
-        topics: that are played.
-        rate: simulated seconds per second.
-    """
-
-    name = REPLAY
-    inputs: tuple[str, ...] = ()
-
-    def __init__(self, messages: list[tuple[str, int, bytes]], topics: tuple[str, ...], rate: float) -> None:
-        self.outputs = (*topics, CLOCK)
-        self.finished = not messages
-        self._messages = messages
-        self._rate = rate
-        self._next = 0
-        self._zero = 0.0
-        self._connection: Connection | None = None
-
-    def start(self, connection: Connection) -> None:
-        """The first message follows when every node of this graph has said that it is ready."""
-        self._connection = connection
-
-    def on_message(self, topic: str, data: bytes) -> None:
-        """Nothing is listened to."""
-
-    def turn(self) -> float:
-        """Publish what is due; returns how long until the next message [s]."""
-        assert self._connection is not None
-        if self._connection.absent():
-            return READY_SECONDS
-        if not self._zero:
-            self._zero = perf_counter() - self._messages[0][1] * 1e-9 / self._rate
-        while self._next < len(self._messages):
-            topic, stamp_ns, data = self._messages[self._next]
-            wait = self._zero + stamp_ns * 1e-9 / self._rate - perf_counter()
-            if wait > 0.0:
-                return min(wait, 0.1)
-            self._next += 1
-            self._connection.publish_serialized(topic, data)
-            if self._next == len(self._messages) or self._messages[self._next][1] != stamp_ns:
-                self._connection.publish([Message(CLOCK, stamp_ns, ())])
-        self.finished = True
-        return 0.01
-
-    def close(self) -> None:
-        """Nothing to finish."""
+HELP = """Play a bag into the graph: recorded data topics and the clock. Everything may also be given as ROS
+parameters."""
 
 
-def build(node: Node, _running: tuple[str, ...]) -> ReplayProgram:
+def build(node: Node, running: tuple[str, ...]) -> ReplayProgram:
     """Declare parameters and read the bag.
 
     Raises:
-        InputError: no bag, no such topic in it, or a rate that is none.
+        InputError: no bag, no such topic in it, a number out of range, or nothing left to play.
     """
     folder = declare_text(node, "bag", "", "folder of the bag to play")
-    chosen = declare_names(node, "topics", "topics to play, comma-separated; empty: all data topics")
-    about = "simulated seconds per second"
-    text = ParameterDescriptor(description=about, read_only=True, dynamic_typing=True)
-    rate = node.declare_parameter("rate", 1.0, text).value
-    if isinstance(rate, bool) or not isinstance(rate, (int, float)) or not 0.01 <= rate <= 100.0:
-        raise InputError(f"{rate!r} is refused", allowed="0.01 .. 100", key="rate")
+    about = "topics to play, comma-separated; empty: all data topics that no running node publishes"
+    chosen = declare_names(node, "topics", about)
+    rate = declare_rate(node)
+    offset = _seconds(node, "start_offset", 0.0, "of the bag are left out [s]")
+    length = _seconds(node, "duration", inf, "of the bag are played [s]")
+    paused = bool(node.declare_parameter("start_paused", False, _described("wait for resume")).value)
     if not folder:
         raise InputError("no folder given", allowed="a recorded bag", key="bag")
     bag = read_bag(Path(folder))
+    topics = _topics(bag, chosen, running)
+    messages = recorded_messages(bag, topics)
+    first = messages[0][0] + round(offset * 1e9)
+    last = first + length * 1e9
+    messages = [entry for entry in messages if first <= entry[0] <= last]
+    if not messages:
+        raise InputError(f"nothing to play after {offset:g} s", file=folder, key="start_offset")
+    return ReplayProgram(node, messages, topics, Playback(messages[0][0], rate, paused))
+
+
+def recorded_messages(bag: Bag, topics: tuple[str, ...]) -> list[Recorded]:
+    """Messages of some topics in the order of playing: by stamp, then as in the table of topics."""
+    order = {topic: index for index, topic in enumerate(DATA_TOPICS)}
+    messages = [
+        (TOPICS[topic].layout.stamp(data), topic, data) for topic in topics for data in bag.messages[topic]
+    ]
+    messages.sort(key=lambda entry: (entry[0], order[entry[1]]))
+    return messages
+
+
+def _topics(bag: Bag, chosen: tuple[str, ...], running: tuple[str, ...]) -> tuple[str, ...]:
     present = tuple(topic for topic in DATA_TOPICS if bag.messages.get(topic))
     for topic in chosen:
         if topic not in present:
-            raise InputError(f"no topic {topic!r}", allowed=", ".join(present), file=folder, key="topics")
-    topics = chosen or present
-    messages = [
-        (topic, TOPICS[topic].layout.stamp(data), data) for topic in topics for data in bag.messages[topic]
-    ]
-    order = {topic: index for index, topic in enumerate(DATA_TOPICS)}
-    messages.sort(key=lambda entry: (entry[1], order[entry[0]]))
-    return ReplayProgram(messages, topics, float(rate))
+            raise InputError(f"no topic {topic!r}", allowed=", ".join(present), file=bag.folder, key="topics")
+    topics = chosen or tuple(topic for topic in present if TOPICS[topic].source not in running)
+    if not topics:
+        raise InputError("holds no data topic to play", file=bag.folder, key="topics")
+    return topics
+
+
+def _described(text: str) -> ParameterDescriptor:
+    return ParameterDescriptor(description=text, read_only=True, dynamic_typing=True)
+
+
+def _seconds(node: Node, name: str, default: float, text: str) -> float:
+    value = node.declare_parameter(name, default, _described(text)).value
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not value >= 0.0:
+        raise InputError(f"{value!r} is refused", allowed="0 or more", key=name)
+    return float(value)
+
+
+def ros_arguments(words: list[str]) -> list[str]:
+    """The words of the command as ROS arguments.
+
+    Raises:
+        SystemExit: help was asked for, or a word is not understood.
+    """
+    own, ros = (words, []) if "--ros-args" not in words else _split(words)
+    parser = argparse.ArgumentParser(prog="replay.sh", description=HELP)
+    parser.add_argument("bag", nargs="?", metavar="BAG", help="folder of the bag")
+    parser.add_argument("--rate", help="simulated seconds per second, 0.01 to 100 (1)")
+    parser.add_argument("--start-offset", metavar="S", help="seconds of the bag to leave out")
+    parser.add_argument("--duration", metavar="S", help="seconds of the bag to play")
+    parser.add_argument("--topics", metavar="A,B", help="topics to play, comma-separated")
+    parser.add_argument("--start-paused", action="store_true", default=None, help="wait for resume")
+    parser.add_argument("--running", metavar="A,B", help="nodes to wait for; what they publish is not played")
+    given = vars(parser.parse_args(own))
+    if given["running"]:
+        given["running"] = f"{REPLAY},{given['running']}"
+    texts = {name: f"'{given[name]}'" for name in ("bag", "topics", "running") if given[name] is not None}
+    numbers = {name: given[name] for name in ("rate", "start_offset", "duration") if given[name] is not None}
+    flags = {"start_paused": "true"} if given["start_paused"] else {}
+    values = texts | numbers | flags
+    parameters = [word for name, value in values.items() for word in ("-p", f"{name}:={value}")]
+    return ["--ros-args", *parameters, *ros] if parameters or ros else []
+
+
+def _split(words: list[str]) -> tuple[list[str], list[str]]:
+    place = words.index("--ros-args")
+    return words[:place], words[place + 1 :]
 
 
 def main() -> None:
-    """Entry point of the node: `replay_node [BAG] [--ros-args ...]`."""
-    words = sys.argv[1:]
-    if words and not words[0].startswith("-"):
-        words = [*words[1:], "--ros-args", "-p", f"bag:='{words[0]}'"]
-    sys.exit(run_node(REPLAY, build, words))
+    """Entry point of the node: `replay_node [BAG] [options] [--ros-args ...]`."""
+    try:
+        arguments = ros_arguments(sys.argv[1:])
+    except SystemExit as stop:
+        sys.exit(EXIT_BAD_INPUT if stop.code else 0)
+    sys.exit(run_node(REPLAY, build, arguments))
 
 
 if __name__ == "__main__":

@@ -27,8 +27,9 @@ def build(node: Node, _running: tuple[str, ...]) -> SupervisorProgram:
     limits = declare_parameters(node, FlightLimits)
     supervisor = Supervisor(limits, load_plan(name) if name else None)
     about = "set it to command the wind generator, 0 .. 8 m/s, while no plan is flown"
-    declare_request(node, "wind", 0.0, about, lambda speed: supervisor.set_wind(float(speed)))
-    return SupervisorProgram(node, supervisor)
+    program = SupervisorProgram(node, supervisor)
+    declare_request(node, "wind", 0.0, about, lambda speed: program.set_wind(float(speed)))
+    return program
 
 
 def main() -> None:

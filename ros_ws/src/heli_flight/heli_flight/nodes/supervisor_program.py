@@ -10,6 +10,7 @@ from std_srvs.srv import Trigger
 
 from heli_common.nodes.connection import Connection
 from heli_common.nodes.qos import LATCHED
+from heli_common.nodes.requests import Requests
 from heli_common.nodes.runner import ComponentProgram
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_flight.progress import Progress
@@ -25,6 +26,7 @@ class SupervisorProgram(ComponentProgram):
     def __init__(self, node: Node, supervisor: Supervisor) -> None:
         super().__init__(supervisor)
         self._supervisor = supervisor
+        self._requests = Requests()
         self._ticks = 0
         self._reported = ""
         self._state = node.create_publisher(String, "state", LATCHED)
@@ -33,9 +35,20 @@ class SupervisorProgram(ComponentProgram):
     def _handler(self, name: str):  # type: ignore[no-untyped-def]
         def handle(_request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
             response.success, response.message = self._supervisor.command(name)
+            if response.success:
+                self._requests.add(name)
             return response
 
         return handle
+
+    def set_wind(self, speed: float) -> None:
+        """Command the wind generator.
+
+        Raises:
+            InputError: see `Supervisor.set_wind`.
+        """
+        self._supervisor.set_wind(speed)
+        self._requests.add(f"wind {speed!r}")
 
     def start(self, connection: Connection) -> None:
         """The graph is wired: say which state the flight is in."""
@@ -49,6 +62,7 @@ class SupervisorProgram(ComponentProgram):
         self.publish(sent)
         if not sent:
             return
+        self._requests.tell(self.connection, stamp_ns)
         self._ticks += 1
         if self._supervisor.state.word != self._reported:
             self._report(stamp_ns)

@@ -1,0 +1,237 @@
+"""An MCAP file that is whole at every moment: each flush leaves a valid end of file behind (spec 6.3, 7.5).
+
+mcap's own writer puts index and footer at the end of the file when it closes, so a recorder killed before
+leaves a file that rosbags refuses. Here every flush writes the finished chunk and a new end in one piece over
+the old end. A disk that is full costs what was not flushed: the old end, whose place is still ours, is put
+back. Records other than messages are written by the mcap library.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+from array import array
+from collections.abc import Mapping
+from pathlib import Path
+
+import zstandard
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Channel,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+)
+
+MAGIC = b"\x89MCAP0\r\n"
+LIBRARY = "heli_flight"
+"""Named in the header: this file has a footer although its recorder may not have closed it."""
+
+CHUNK_BYTES = 512 * 1024
+_MESSAGE = struct.Struct("<BQHIQQ")
+_INDEX = struct.Struct("<BQHI")
+_FOOTER_HEAD = struct.Struct("<BQQQ")
+_FIXED = _MESSAGE.size - 9
+_WRITABLE = 0o644
+
+
+class McapFile:
+    """Writes one MCAP file.
+
+    Args:
+        stem: path of the file without its ending; it must not exist.
+        level: of the zstd compression, 0 for none.
+
+    Raises:
+        OSError: the file cannot be made.
+    """
+
+    suffix = ".mcap"
+    identifier = "mcap"
+
+    def __init__(self, stem: Path, level: int = 3) -> None:
+        self.path = path = stem.with_name(f"{stem.name}{self.suffix}")
+        self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _WRITABLE)
+        self._compress = zstandard.ZstdCompressor(level=level).compress if level else None
+        self._pending = bytearray(MAGIC + _record(Header("ros2", LIBRARY)))
+        self._position = 0
+        self._end = b""
+        self._schemas: list[bytes] = []
+        self._channels: list[bytes] = []
+        self._metadata: list[bytes] = []
+        self._chunks = bytearray()
+        self._chunk_count = 0
+        self._counts: dict[int, int] = {}
+        self._first_ns, self._last_ns = 2**63 - 1, 0
+        self._waiting: dict[int, tuple[list[bytes], array[int]]] = {}
+        self._size = self._chunk_last_ns = 0
+        self._chunk_first_ns = 2**63 - 1
+
+    def add_schema(self, name: str, definition: str, type_hash: str) -> int:  # noqa: ARG002
+        """Announce a message type; its hash has its place with the channels."""
+        number = len(self._schemas) + 1
+        self._schemas.append(_record(Schema(number, definition.encode(), "ros2msg", name)))
+        self._pending += self._schemas[-1]
+        return number
+
+    def add_channel(self, topic: str, ros_type: str, schema: int, about: Mapping[str, str]) -> int:  # noqa: ARG002
+        """Announce a topic of an announced type.
+
+        Args:
+            topic: absolute name.
+            ros_type: of its messages.
+            schema: number of the type.
+            about: remarks of rosbag2, `offered_qos_profiles` and `topic_type_hash`.
+        """
+        number = len(self._channels) + 1
+        self._channels.append(_record(Channel(number, topic, "cdr", dict(about), schema)))
+        self._pending += self._channels[-1]
+        self._counts[number] = 0
+        self._waiting[number] = ([], array("Q"))
+        return number
+
+    def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
+        """Append a metadata record; between chunks, so the chunk in the making is closed."""
+        self._close_chunk()
+        record = _record(Metadata(name, dict(values)))
+        place = self._position + len(self._pending)
+        self._metadata.append(_record(MetadataIndex(place, len(record), name)))
+        self._pending += record
+
+    def add_message(self, channel: int, stamp_ns: int, data: bytes) -> None:
+        """Append a message; log time and publish time are its stamp [ns].
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        count = self._counts[channel]
+        self._counts[channel] = count + 1
+        head = _MESSAGE.pack(Opcode.MESSAGE, _FIXED + len(data), channel, count, stamp_ns, stamp_ns)
+        parts, stamps = self._waiting[channel]
+        parts += (head, data)
+        stamps.append(stamp_ns)
+        self._size += len(head) + len(data)
+        if stamp_ns < self._chunk_first_ns:
+            self._chunk_first_ns = stamp_ns
+        if stamp_ns > self._chunk_last_ns:
+            self._chunk_last_ns = stamp_ns
+        if self._size > CHUNK_BYTES:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write everything and a new end of the file.
+
+        Raises:
+            OSError: the file cannot be written; it ends as after the flush before.
+        """
+        self._close_chunk()
+        data = bytes(self._pending)
+        place = self._position + len(data)
+        end = self._summary(place)
+        try:
+            _write_at(self._descriptor, data + end, self._position)
+        except OSError:
+            _write_at(self._descriptor, self._end, self._position)
+            os.truncate(self._descriptor, self._position + len(self._end))
+            raise
+        self._pending.clear()
+        self._position, self._end = place, end
+
+    def close(self, metadata: str) -> None:
+        """Finish the file with rosbag2's metadata in it.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        self.add_metadata("rosbag2", {"serialized_metadata": metadata})
+        try:
+            self.flush()
+        finally:
+            self.abandon()
+
+    def abandon(self) -> None:
+        """Close the file as it is."""
+        if self._descriptor >= 0:
+            os.close(self._descriptor)
+            self._descriptor = -1
+
+    def _begin_chunk(self) -> None:
+        self._waiting = {channel: ([], array("Q")) for channel in self._counts}
+        self._size = 0
+        self._chunk_first_ns, self._chunk_last_ns = 2**63 - 1, 0
+
+    def _close_chunk(self) -> None:
+        if not self._size:
+            return
+        waiting = {channel: entry for channel, entry in self._waiting.items() if entry[0]}
+        # topic by topic: zstd finds more to leave out, and a reader takes a topic in one piece
+        data = b"".join(part for parts, _ in waiting.values() for part in parts)
+        packed = self._compress(data) if self._compress else data
+        compression = "zstd" if self._compress else ""
+        first, last = self._chunk_first_ns, self._chunk_last_ns
+        chunk = _record(Chunk(compression, packed, last, first, zlib.crc32(data), len(data)))
+        start = self._position + len(self._pending)
+        self._pending += chunk
+        places = {}
+        index_start = len(self._pending)
+        place = 0
+        for channel, (parts, stamps) in waiting.items():
+            places[channel] = self._position + len(self._pending)
+            entries = array("Q")
+            for stamp_ns, data_part in zip(stamps, parts[1::2], strict=True):
+                entries.extend((stamp_ns, place))
+                place += _MESSAGE.size + len(data_part)
+            content = entries.tobytes()
+            self._pending += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(content), channel, len(content))
+            self._pending += content
+        length = len(self._pending) - index_start
+        self._chunks += _record(
+            ChunkIndex(len(chunk), start, compression, len(packed), last, length, places, first, len(data))
+        )
+        self._chunk_count += 1
+        self._first_ns, self._last_ns = min(self._first_ns, first), max(self._last_ns, last)
+        self._begin_chunk()
+
+    def _summary(self, place: int) -> bytes:
+        """What stands behind the data: end of data, summary, footer, magic."""
+        count = sum(self._counts.values())
+        statistics = Statistics(
+            attachment_count=0,
+            channel_count=len(self._channels),
+            channel_message_counts=self._counts,
+            chunk_count=self._chunk_count,
+            message_count=count,
+            message_end_time=self._last_ns,
+            message_start_time=self._first_ns if count else 0,
+            metadata_count=len(self._metadata),
+            schema_count=len(self._schemas),
+        )
+        end = _record(DataEnd(0))
+        parts = (*self._schemas, *self._channels, _record(statistics), bytes(self._chunks), *self._metadata)
+        summary = b"".join(parts)
+        start = place + len(end)
+        crc = zlib.crc32(_FOOTER_HEAD.pack(Opcode.FOOTER, 20, start, 0), zlib.crc32(summary))
+        return end + summary + _record(Footer(start, 0, crc)) + MAGIC
+
+
+def _record(record: McapRecord) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    return bytes(builder.end())
+
+
+def _write_at(descriptor: int, data: bytes, position: int) -> None:
+    view = memoryview(data)
+    while view:
+        written = os.pwrite(descriptor, view, position)
+        position += written
+        view = view[written:]
