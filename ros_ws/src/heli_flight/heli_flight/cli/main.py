@@ -13,6 +13,7 @@ from heli_flight.cli import interrupts  # first: everything else takes a while t
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_INTERRUPTED, InputError
 from heli_flight.cli import (
     bag,
+    calibrate,
     chain,
     design,
     exchange,
@@ -42,6 +43,7 @@ def parser() -> argparse.ArgumentParser:
         identify,
         predict,
         chain,
+        calibrate,
         navigation,
         report,
         bag,
