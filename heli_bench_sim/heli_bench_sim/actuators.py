@@ -57,6 +57,28 @@ def read_actuators(state: Array, command: Array, box: Sequence[BenchConstants], 
     out[2 * SERVOS] = drive.current(command[SERVOS], state[State.Omega], c.helicopter)
 
 
+@compiled
+def command_servos(
+    b_1s: float,
+    a_1s: float,
+    theta_0: float,
+    theta_t: float,
+    box: Sequence[BenchConstants],
+    shafts: Array,
+) -> bool:
+    """Write the shaft angles that a pulse frame asks for; True if the command had to be limited.
+
+    Args:
+        b_1s: longitudinal cyclic [rad].
+        a_1s: lateral cyclic [rad].
+        theta_0: collective [rad].
+        theta_t: tail collective [rad].
+        box: constants of the bench, boxed.
+        shafts: (4,) receives the shaft angles [rad].
+    """
+    return servos.reach_shafts(b_1s, a_1s, theta_0, theta_t, box[0].servo, shafts)
+
+
 def actual_inputs(state: Array, command: Array, box: Sequence[BenchConstants]) -> Array:
     """(5,) blade angles as the servos hold them now [rad], and the control voltage [V].
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heli_bench_sim import encoders, hall_sensor, servos
+from heli_bench_sim.actuators import command_servos
 from heli_bench_sim.bench_memory import READING_SIZE, Memory, Noise, Reading
 from heli_bench_sim.bench_parameters import BenchParameters
 from heli_bench_sim.bench_view import BenchView
@@ -96,11 +97,11 @@ class Bench(BenchView):
         Raises:
             ValueError: a value that is not finite, by name.
         """
-        command = servos.command_shafts(B_1s, A_1s, theta_0, theta_t, self.parameters.servo)
-        self._commanded[:SERVOS] = command.shafts
-        self._saturated = command.saturated
+        servos.require_finite_command((B_1s, A_1s, theta_0, theta_t))
+        shafts = self._commanded[:SERVOS]
+        self._saturated = bool(command_servos(B_1s, A_1s, theta_0, theta_t, self._box, shafts))
         self._latch()
-        return command.saturated
+        return self._saturated
 
     def set_motor_voltage(self, voltage: float) -> None:
         """Latch the control voltage of the supply [V]; outside 0 .. 10 V the supply gives its end value.

@@ -71,6 +71,11 @@ class BenchView:
         return self._command.copy()
 
     @property
+    def pose(self) -> Array:
+        """(6,) north, east, down [m], yaw, pitch, roll [rad]."""
+        return self._state[State.x : State.phi + 1].copy()
+
+    @property
     def position(self) -> Vector3:
         """Centre of gravity, NED from the flight-space centre [m]."""
         return self._three(State.x, State.y, State.z)
@@ -146,6 +151,11 @@ class BenchView:
         return violations(self._state, self._inputs(), self._air, self._constants.helicopter)
 
     # Readings ------------------------------------------------------------------------------------------
+
+    @property
+    def reading(self) -> Array:
+        """(19,) what the sensors said at the latest sample, in the columns of `Reading`."""
+        return self._reading.copy()
 
     def encoder_reading(self) -> EncoderReading:
         """The encoders' latest sample."""

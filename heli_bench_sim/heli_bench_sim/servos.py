@@ -10,6 +10,7 @@ is clipped.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -62,6 +63,9 @@ class ServoConstants(NamedTuple):
     bandwidth: float
     damping: float
     rate_limit: float
+    shaft_limit: float
+    pulse_range: float
+    pulse_step: float
 
 
 def servo_constants(parameters: ServoParameters) -> ServoConstants:
@@ -78,6 +82,9 @@ def servo_constants(parameters: ServoParameters) -> ServoConstants:
         bandwidth=parameters.bandwidth,
         damping=parameters.damping,
         rate_limit=parameters.rate_limit,
+        shaft_limit=parameters.shaft_limit,
+        pulse_range=parameters.pulse_range,
+        pulse_step=parameters.pulse_step,
     )
 
 
@@ -137,6 +144,45 @@ def shaft_acceleration(angle: float, rate: float, command: float, s: ServoConsta
     return rate_gain * (min(max(asked, -s.rate_limit), s.rate_limit) - rate)
 
 
+@compiled
+def reach_shafts(
+    b_1s: float, a_1s: float, theta_0: float, theta_t: float, s: ServoConstants, out: Array
+) -> bool:
+    """Mix, limit by the rule of this module, and quantise to whole pulse steps.
+
+    Args:
+        b_1s: longitudinal cyclic [rad].
+        a_1s: lateral cyclic [rad].
+        theta_0: collective [rad].
+        theta_t: tail collective [rad].
+        s: constants of the servos.
+        out: (4,) receives the shaft angles [rad].
+
+    Returns:
+        whether the limits changed the command.
+    """
+    end, tail = s.shaft_limit, SERVOS - 1
+    mix(b_1s, a_1s, theta_0, theta_t, s, out)
+    level = s.plate_lever * (theta_0 - s.collective_neutral)
+    kept = min(max(level, -end), end)
+    share = 1.0
+    for servo in range(tail):
+        cyclic = out[servo] - level
+        room = end - kept if cyclic > 0.0 else end + kept
+        if abs(cyclic) > room:
+            share = min(share, room / abs(cyclic))
+    saturated = share < 1.0 or kept != level
+    for servo in range(tail):
+        out[servo] = kept + share * (out[servo] - level)
+    held = min(max(out[tail], -end), end)
+    saturated = saturated or held != out[tail]
+    out[tail] = held
+    for servo in range(SERVOS):
+        steps = np.rint(out[servo] / end * s.pulse_range / s.pulse_step)
+        out[servo] = steps * (s.pulse_step / s.pulse_range * end)
+    return saturated
+
+
 @dataclass(frozen=True)
 class ServoCommand:
     """What the pulse generator makes of a command."""
@@ -150,7 +196,7 @@ class ServoCommand:
 def command_shafts(
     b_1s: float, a_1s: float, theta_0: float, theta_t: float, parameters: ServoParameters
 ) -> ServoCommand:
-    """Mix, limit by the rule of this module, and quantise to whole pulse steps.
+    """What `reach_shafts` makes of a command.
 
     Args:
         b_1s: longitudinal cyclic [rad].
@@ -162,22 +208,21 @@ def command_shafts(
     Raises:
         ValueError: a value that is not finite, by name.
     """
-    for name, value in zip(COMMAND_NAMES, (b_1s, a_1s, theta_0, theta_t), strict=True):
+    require_finite_command((b_1s, a_1s, theta_0, theta_t))
+    shafts = np.empty(SERVOS)
+    saturated = reach_shafts(b_1s, a_1s, theta_0, theta_t, servo_constants(parameters), shafts)
+    return ServoCommand(tuple(shafts.tolist()), bool(saturated))
+
+
+def require_finite_command(command: Sequence[float]) -> None:
+    """Refuse a servo command that is no number.
+
+    Args:
+        command: B_1s, A_1s, theta_0, theta_t [rad].
+
+    Raises:
+        ValueError: a value that is not finite, by name.
+    """
+    for name, value in zip(COMMAND_NAMES, command, strict=True):
         if not math.isfinite(value):
             raise ValueError(f"servo command {name} is {value!r}, not a finite angle")
-    wanted, level = np.empty(SERVOS), np.empty(SERVOS)
-    mix(b_1s, a_1s, theta_0, theta_t, servo_constants(parameters), wanted)
-    mix(0.0, 0.0, theta_0, theta_t, servo_constants(parameters), level)
-    end = parameters.shaft_limit
-    kept = np.clip(level, -end, end)
-    share = 1.0
-    for cyclic, collective in zip(wanted[:-1] - level[:-1], kept[:-1], strict=True):
-        room = end - collective if cyclic > 0.0 else end + collective
-        if abs(cyclic) > room:
-            share = min(share, room / abs(cyclic))
-    limited = kept.copy()
-    limited[:-1] += share * (wanted[:-1] - level[:-1])
-    saturated = share < 1.0 or bool((kept != level).any())
-    steps = np.rint(limited / end * parameters.pulse_range / parameters.pulse_step)
-    shafts = steps * (parameters.pulse_step / parameters.pulse_range * end)
-    return ServoCommand(tuple(float(shaft) for shaft in shafts), saturated)  # type: ignore[arg-type]

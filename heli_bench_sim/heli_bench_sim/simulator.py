@@ -9,6 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from heli_bench_sim.bench import Bench
 from heli_bench_sim.fault_request import fault_from_text
 from heli_bench_sim.superposition import STALE_NS, Superposition
@@ -27,6 +30,8 @@ from heli_common.timing import (
 )
 from heli_common.topics import BENCH_CONDITION, BENCH_SIM, TOPICS
 from heli_common.vehicle_state import VehicleState, imu_values, odometry_values, swap_body, wind_values
+
+Array = NDArray[np.float64]
 
 _NO_VARIANCE = (0.0,) * 6
 _FAN = TOPICS["flight_state"].layout.fields.index("velocity.fan")
@@ -115,6 +120,31 @@ class BenchSimulator:
                 raise SafetyStop(f"the motion is no longer finite at {self.stamp_ns * 1e-9:.2f} s")
         self.stamp_ns += SENSOR_PERIOD_NS
         return self._sample()
+
+    def run(self, samples: int) -> Array:
+        """The same by some periods at once, up to the next instant at which commands act, without messages.
+
+        Args:
+            samples: how many periods; none but the first may begin at a command's instant.
+
+        Returns:
+            (n, 19) what the sensors said, in the columns of `Reading`.
+
+        Raises:
+            SafetyStop: the motion is no longer finite. ValueError: it was torn out of the arms' reach.
+        """
+        if self.stamp_ns < 0:
+            raise ValueError("the first sample is taken by tick()")
+        if is_command_tick(self.stamp_ns):
+            self._apply(self.stamp_ns - COMMAND_LATENCY_NS)
+        readings = self.bench.run(samples)
+        if len(readings) < samples:
+            stamp_ns = self.stamp_ns + len(readings) * SENSOR_PERIOD_NS
+            raise SafetyStop(f"the motion is no longer finite at {stamp_ns * 1e-9:.2f} s")
+        self.stamp_ns += samples * SENSOR_PERIOD_NS
+        if self.stamp_ns % REGIME_PERIOD_NS == 0:
+            self._watch_regime()
+        return readings
 
     def _apply(self, due_ns: int) -> None:
         for topic in self.inputs:

@@ -54,6 +54,37 @@ class AttitudeParameters:
     plate_lever: float = quantity(6.0, "-", "D", "shaft angle per blade angle, swash plate", 0.1, 100.0)
 
 
+def next_authority(authority: float, ended: bool, steered: bool, rise: float, fall: float) -> float:
+    """Authority of this sample, 0 .. 1; compiled code may call it, as the next two.
+
+    Args:
+        authority: of the sample before.
+        ended: whether the flight is over, or in a fault.
+        steered: whether the helicopter is controlled and its pose known.
+        rise: per sample.
+        fall: per sample.
+    """
+    if ended:
+        return 0.0
+    return min(1.0, authority + rise) if steered else max(0.0, authority - fall)
+
+
+def faded(idle: float, asked: float, authority: float) -> float:
+    """One command [rad] between idle and what the law asks for."""
+    return idle + authority * (asked - idle)
+
+
+def body_from_level(velocity: Vector3, theta: float, phi: float) -> Vector3:
+    """A velocity in body FRD from one in heading axes [m/s].
+
+    Args:
+        velocity: forward, right, down in heading axes [m/s].
+        theta: pitch [rad].
+        phi: roll [rad].
+    """
+    return rotate(transpose(matrix_from_euler(Euler(0.0, theta, phi))), velocity)
+
+
 class AttitudeController:
     """Component: odometry, velocity reference and flight state in, servo command out.
 
@@ -70,6 +101,10 @@ class AttitudeController:
 
     Attributes:
         authority: 0 idle .. 1 controlled.
+        rise: of the authority per sample.
+        fall: of the authority per sample.
+        idle: command B_1s A_1s theta_0 theta_t without authority [rad].
+        limits: of the commands.
         exchanged: stamp [ns] of the last change of controller and name of the one that came; None before.
 
     Raises:
@@ -88,10 +123,10 @@ class AttitudeController:
     ) -> None:
         p = parameters
         self.authority = 0.0
-        self._rise = CONTROL_PERIOD / p.engage_time
-        self._fall = CONTROL_PERIOD / p.release_time
-        self._idle = (p.idle_B_1s, p.idle_A_1s, p.idle_theta_0, p.idle_theta_t)
-        self._limits = CommandLimits(
+        self.rise = CONTROL_PERIOD / p.engage_time
+        self.fall = CONTROL_PERIOD / p.release_time
+        self.idle = (p.idle_B_1s, p.idle_A_1s, p.idle_theta_0, p.idle_theta_t)
+        self.limits = CommandLimits(
             (-p.cyclic_limit, -p.cyclic_limit, p.collective_minimum, p.tail_minimum),
             (p.cyclic_limit, p.cyclic_limit, p.collective_maximum, p.tail_maximum),
             p.collective_neutral,
@@ -102,7 +137,7 @@ class AttitudeController:
         self._planned = 0
         self._next: FlightLaw | None = None
         self.exchanged: tuple[int, str] | None = None
-        self._laws = LawExchange(law, CONTROL_PERIOD / p.exchange_time, self._limits.within)
+        self._laws = LawExchange(law, CONTROL_PERIOD / p.exchange_time, self.limits.within)
         self._asked = list(law.trim)
         self._join = StampJoin(self.inputs)
 
@@ -127,23 +162,19 @@ class AttitudeController:
         state = state_from_odometry(ready["odometry"])
         stage, _ = flight_state(ready["flight_state"])
         self._exchange(planned_controller(ready["flight_state"], len(self._plan)), stamp_ns)
-        if stage.ended:
-            self.authority = 0.0
-        elif stage.controlled and state.known:
-            self.authority = min(1.0, self.authority + self._rise)
-        else:
-            self.authority = max(0.0, self.authority - self._fall)
+        steered = stage.controlled and state.known
+        self.authority = next_authority(self.authority, stage.ended, steered, self.rise, self.fall)
         if self.authority == 0.0:
             self._laws.reset()
             self._asked = list(self._laws.law.trim)
-            command = list(self._idle)
+            command = list(self.idle)
         else:
             if state.known:
                 linear, angular = twist_from_values(ready["velocity_reference"])
                 self._asked = self._step(state, linear, angular[2])
             command = [
-                idle + self.authority * (asked - idle)
-                for idle, asked in zip(self._idle, self._asked, strict=True)
+                faded(idle, asked, self.authority)
+                for idle, asked in zip(self.idle, self._asked, strict=True)
             ]
             if state.known:
                 self._laws.follow(command)
@@ -166,10 +197,10 @@ class AttitudeController:
 
     def _step(self, state: VehicleState, heading_velocity: Vector3, yaw_rate: float) -> list[float]:
         """The law's command within the limits; references come in heading axes."""
-        level_to_body = transpose(matrix_from_euler(Euler(0.0, state.attitude.theta, state.attitude.phi)))
-        return self._laws.step(state, rotate(level_to_body, heading_velocity), yaw_rate)
+        velocity = body_from_level(heading_velocity, state.attitude.theta, state.attitude.phi)
+        return self._laws.step(state, velocity, yaw_rate)
 
     def _checked(self, controller: ControllerFile) -> FlightLaw:
         law = FlightLaw(controller)
-        self._limits.require(law.trim, f"{law.name}: operating_point")
+        self.limits.require(law.trim, f"{law.name}: operating_point")
         return law

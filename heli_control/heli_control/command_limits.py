@@ -21,6 +21,30 @@ _SERVOS = tuple((cos(radians(azimuth)), sin(radians(azimuth))) for azimuth in (0
 _ROUNDING = 1e-12
 
 
+def limit_command(
+    command: list[float], lowest: Sequence[float], highest: Sequence[float], neutral: float, reach: float
+) -> None:
+    """Bring a command to what the servos reach, in place, by the rule of this module; compiled code may call it.
+
+    Args:
+        command: B_1s, A_1s, theta_0, theta_t [rad], overwritten.
+        lowest: of each [rad].
+        highest: of each [rad].
+        neutral: collective of zero shaft angles [rad].
+        reach: blade angle that takes a servo from neutral to its end [rad].
+    """
+    for index in range(4):
+        command[index] = min(max(command[index], lowest[index]), highest[index])
+    back, right, used = command[0], command[1], command[2] - neutral
+    share = 1.0
+    for along, across in _SERVOS:
+        cyclic = back * along + right * across
+        room = reach - used if cyclic > 0.0 else reach + used
+        if abs(cyclic) > room:
+            share = min(share, room / abs(cyclic))
+    command[0], command[1] = share * back, share * right
+
+
 class CommandLimits:
     """Limits of B_1s, A_1s, theta_0 and theta_t.
 
@@ -29,6 +53,12 @@ class CommandLimits:
         highest: of each command [rad].
         collective_neutral: collective of zero shaft angles [rad].
         reach: shaft limit per lever, the blade angle that takes a servo from neutral to its end [rad].
+
+    Attributes:
+        lowest: of each command, the collective within reach [rad].
+        highest: the same.
+        neutral: collective of zero shaft angles [rad].
+        reach: as given.
     """
 
     def __init__(
@@ -37,9 +67,9 @@ class CommandLimits:
         _, _, low, tail_low = lowest
         _, _, high, tail_high = highest
         bottom, top = max(low, collective_neutral - reach), min(high, collective_neutral + reach)
-        self._lowest = (lowest[0], lowest[1], bottom, tail_low)
-        self._highest = (highest[0], highest[1], top, tail_high)
-        self._neutral, self._reach = collective_neutral, reach
+        self.lowest = (lowest[0], lowest[1], bottom, tail_low)
+        self.highest = (highest[0], highest[1], top, tail_high)
+        self.neutral, self.reach = collective_neutral, reach
 
     def within(self, command: Sequence[float]) -> list[float]:
         """The command nearest to this one that the servos reach, by the rule of this module [rad].
@@ -47,18 +77,9 @@ class CommandLimits:
         Args:
             command: B_1s, A_1s, theta_0, theta_t [rad].
         """
-        back, right, collective, tail = (
-            min(max(value, lowest), highest)
-            for value, lowest, highest in zip(command, self._lowest, self._highest, strict=True)
-        )
-        used = collective - self._neutral
-        share = 1.0
-        for along, across in _SERVOS:
-            cyclic = back * along + right * across
-            room = self._reach - used if cyclic > 0.0 else self._reach + used
-            if abs(cyclic) > room:
-                share = min(share, room / abs(cyclic))
-        return [share * back, share * right, collective, tail]
+        kept = list(command)
+        limit_command(kept, self.lowest, self.highest, self.neutral, self.reach)
+        return kept
 
     def require(self, command: Sequence[float], key: str) -> None:
         """Refuse a command that the servos do not reach.
@@ -70,7 +91,7 @@ class CommandLimits:
         Raises:
             InputError: names the first command out of its range.
         """
-        for name, value, low, high in zip(SERVO_CHANNELS, command, self._lowest, self._highest, strict=True):
+        for name, value, low, high in zip(SERVO_CHANNELS, command, self.lowest, self.highest, strict=True):
             if not low <= value <= high:
                 raise InputError(f"{value!r}", allowed=f"{low:.4g} .. {high:.4g} rad", key=f"{key}.{name}")
         reached = self.within(command)

@@ -19,7 +19,7 @@ from heli_common.rotations import Vector3
 from heli_common.topics import SERVO_CHANNELS
 from heli_common.vehicle_state import VehicleState
 from heli_control.controller_file import SIGNALS, ControllerAxis, ControllerFile
-from heli_control.state_space import DiscreteBlock, product, rows_of
+from heli_control.state_space import DiscreteBlock, add_product, product, rows_of
 
 _RANK_TOLERANCE = 1e-9
 
@@ -76,12 +76,9 @@ class _Axis:
             applied[index] - trim - asked
             for index, trim, asked in zip(self.given, self._trim, self._asked, strict=True)
         )
-        self.block.place(
-            tuple(
-                state + product(row, missed)
-                for state, row in zip(self.block.state, self._correction, strict=True)
-            )
-        )
+        state = list(self.block.state)
+        add_product(state, self._correction, missed)
+        self.block.place(tuple(state))
 
     def settle(self, signals: Sequence[float], commands: Sequence[float]) -> None:
         """Take the state of (1)."""
@@ -103,13 +100,15 @@ class FlightLaw:
     Attributes:
         name: of the controller.
         trim: B_1s A_1s theta_0 theta_t at the operating point [rad].
+        theta: pitch at the operating point [rad].
+        phi: roll at the operating point [rad].
     """
 
     def __init__(self, controller: ControllerFile) -> None:
         point = controller.operating_point
         self.name = controller.name
         self.trim = tuple(float(getattr(point, channel)) for channel in SERVO_CHANNELS)
-        self._theta, self._phi = point.theta, point.phi
+        self.theta, self.phi = point.theta, point.phi
         self._axes = [_Axis(axis, self.trim) for axis in (controller.horizontal, controller.vertical)]
 
     def step(self, state: VehicleState, velocity: Vector3, yaw_rate: float) -> list[float]:
@@ -155,5 +154,5 @@ class FlightLaw:
         """Numbers in the order of SIGNALS."""
         u, v, w = state.velocity
         p, q, r = state.rates
-        theta, phi = state.attitude.theta - self._theta, state.attitude.phi - self._phi
+        theta, phi = state.attitude.theta - self.theta, state.attitude.phi - self.phi
         return (theta, phi, u, v, w, p, q, r, *velocity, yaw_rate)

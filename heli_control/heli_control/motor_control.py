@@ -22,6 +22,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import exp
+from typing import NamedTuple
 
 from heli_common import topics
 from heli_common.component import Message, StampJoin
@@ -55,6 +56,42 @@ class MotorParameters:
     gear_ratio: float = quantity(8.0, "-", "R", "motor turns per rotor turn", 0.1, 100.0)
 
 
+class GovernorConstants(NamedTuple):
+    """What the controller needs at every sample."""
+
+    gain: float
+    """K_p [V s/rad]"""
+    integral_gain: float
+    """K_p / T_i [V/rad]"""
+    antiwindup: float
+    """K_AW [1/s]"""
+    limit: float
+    """largest control voltage [V]"""
+    back_emf: float
+    """control voltage per rotor speed without current [V s/rad]"""
+    current_room: float
+    """control voltage that the largest current takes [V]"""
+
+
+def govern(integral: float, reference: float, speed: float, c: GovernorConstants) -> tuple[float, float]:
+    """Control voltage [V], 0 .. limit, and the integral for the next sample; compiled code may call it.
+
+    Args:
+        integral: integral part of the voltage [V].
+        reference: rotor speed wanted [rad/s].
+        speed: rotor speed measured [rad/s].
+        c: constants of the controller.
+    """
+    error = reference - speed
+    asked = c.gain * error + integral
+    without_current = c.back_emf * speed
+    lowest = min(max(without_current, 0.0), c.limit)
+    highest = min(max(without_current + c.current_room, 0.0), c.limit)
+    saturated = min(max(asked, lowest), highest)
+    integral += CONTROL_PERIOD * (c.integral_gain * error + c.antiwindup * (saturated - asked))
+    return min(max(asked, 0.0), c.limit), integral
+
+
 class SpeedGovernor:
     """The PI controller.
 
@@ -63,17 +100,20 @@ class SpeedGovernor:
 
     Attributes:
         integral: integral part of the voltage [V].
+        constants: of the controller.
     """
 
     def __init__(self, parameters: MotorParameters) -> None:
         p = parameters
         self.integral = 0.0
-        self._gain = p.gain
-        self._integral_gain = p.gain / p.integral_time
-        self._antiwindup = p.antiwindup
-        self._limit = p.voltage_limit
-        self._back_emf = p.torque_constant * p.gear_ratio / p.supply_gain
-        self._current_room = p.resistance * p.current_limit / p.supply_gain
+        self.constants = GovernorConstants(
+            gain=p.gain,
+            integral_gain=p.gain / p.integral_time,
+            antiwindup=p.antiwindup,
+            limit=p.voltage_limit,
+            back_emf=p.torque_constant * p.gear_ratio / p.supply_gain,
+            current_room=p.resistance * p.current_limit / p.supply_gain,
+        )
 
     def step(self, reference: float, speed: float) -> float:
         """Control voltage of this sample [V], 0 .. limit; the integral goes on to the next.
@@ -82,16 +122,8 @@ class SpeedGovernor:
             reference: rotor speed wanted [rad/s].
             speed: rotor speed measured [rad/s].
         """
-        error = reference - speed
-        asked = self._gain * error + self.integral
-        without_current = self._back_emf * speed
-        lowest = min(max(without_current, 0.0), self._limit)
-        highest = min(max(without_current + self._current_room, 0.0), self._limit)
-        saturated = min(max(asked, lowest), highest)
-        self.integral += CONTROL_PERIOD * (
-            self._integral_gain * error + self._antiwindup * (saturated - asked)
-        )
-        return min(max(asked, 0.0), self._limit)
+        voltage, self.integral = govern(self.integral, reference, speed, self.constants)
+        return voltage
 
     def reset(self) -> None:
         """Forget the integral."""

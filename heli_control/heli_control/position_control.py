@@ -33,6 +33,9 @@ from heli_control.reference_model import ReferenceModel
 VelocityReference = tuple[float, float, float, float]
 """Velocities forward, right, down in heading axes [m/s] and yaw rate [rad/s]."""
 
+Place = tuple[float, float, float, float]
+"""North, east, down [m] and yaw [rad]."""
+
 NO_VELOCITY: VelocityReference = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -62,6 +65,54 @@ class PositionParameters:
     limit_psi: float = quantity(1.0, "rad/s", "D", "largest yaw-rate reference", 0.0, 3.0)
 
 
+def proportional_integral(
+    integral: float, errors: Vector3, gain: float, growth: float, integral_limit: float, limit: float
+) -> tuple[float, float]:
+    """Output of one axis and its integral part for the next; compiled code may call it.
+
+    Args:
+        integral: integral part [unit of the output].
+        errors: reference minus measurement, expected response minus measurement, feed-forward.
+        gain: K_p.
+        growth: K_p T / T_i.
+        integral_limit: of the integral part [unit of the output].
+        limit: of the output [unit of the output].
+    """
+    error, unexpected, feed_forward = errors
+    asked = gain * error + integral + feed_forward
+    output = min(max(asked, -limit), limit)
+    if (asked - output) * unexpected <= 0.0:
+        grown = integral + growth * unexpected
+        integral = min(max(grown, -integral_limit), integral_limit)
+    return output, integral
+
+
+def heading_errors(
+    place: Place, references: Place, expected: Place, down_rate: float, feed_forward: VelocityReference
+) -> tuple[Vector3, Vector3, Vector3, Vector3]:
+    """What each axis goes by, in heading axes: errors as `proportional_integral` takes them.
+
+    The heading error is not wrapped: between the yaw stops at +-170 deg the way round the back is closed.
+
+    Args:
+        place: north, east, down [m] and yaw [rad] measured.
+        references: the same, wanted.
+        expected: the same, of the expected response.
+        down_rate: of the expected response [m/s].
+        feed_forward: added in heading axes.
+    """
+    north, east = references[0] - place[0], references[1] - place[1]
+    late_north, late_east = expected[0] - place[0], expected[1] - place[1]
+    down, turn = expected[2] - place[2], expected[3] - place[3]
+    cosine, sine = cos(place[3]), sin(place[3])
+    return (
+        (cosine * north + sine * east, cosine * late_north + sine * late_east, feed_forward[0]),
+        (cosine * east - sine * north, cosine * late_east - sine * late_north, feed_forward[1]),
+        (down, down, down_rate + feed_forward[2]),
+        (references[3] - place[3], turn, feed_forward[3]),
+    )
+
+
 class ProportionalIntegral:
     """One axis.
 
@@ -70,13 +121,20 @@ class ProportionalIntegral:
         time: T_i [s].
         integral_limit: of the integral part [unit of the output].
         limit: of the output [unit of the output].
+
+    Attributes:
+        gain: K_p [1/s].
+        growth: K_p T / T_i, of the integral part per error and sample [1/s].
+        integral_limit: as given.
+        limit: as given.
+        integral: integral part of the next output [unit of the output].
     """
 
     def __init__(self, gain: float, time: float, integral_limit: float, limit: float) -> None:
-        self._gain = gain
-        self._step = gain * CONTROL_PERIOD / time
-        self._integral_limit = integral_limit
-        self._limit = limit
+        self.gain = gain
+        self.growth = gain * CONTROL_PERIOD / time
+        self.integral_limit = integral_limit
+        self.limit = limit
         self.integral = 0.0
 
     def step(self, error: float, unexpected: float, feed_forward: float = 0.0) -> float:
@@ -87,11 +145,14 @@ class ProportionalIntegral:
             unexpected: expected response minus measurement, for the integral part [m or rad].
             feed_forward: added to the output before it is limited [m/s or rad/s].
         """
-        asked = self._gain * error + self.integral + feed_forward
-        output = min(max(asked, -self._limit), self._limit)
-        if (asked - output) * unexpected <= 0.0:
-            integral = self.integral + self._step * unexpected
-            self.integral = min(max(integral, -self._integral_limit), self._integral_limit)
+        output, self.integral = proportional_integral(
+            self.integral,
+            (error, unexpected, feed_forward),
+            self.gain,
+            self.growth,
+            self.integral_limit,
+            self.limit,
+        )
         return output
 
     def reset(self) -> None:
@@ -104,6 +165,10 @@ class PositionLaw:
 
     Args:
         parameters: gains, times and limits.
+
+    Attributes:
+        axes: forward, right, down, heading.
+        models: expected response north, east, down, of the heading.
     """
 
     def __init__(self, parameters: PositionParameters) -> None:
@@ -115,7 +180,7 @@ class PositionLaw:
             ProportionalIntegral(p.gain_psi, p.time_psi, p.integral_psi, p.limit_psi),
         )
         frequencies = (p.response_x, p.response_y, p.response_z, p.response_psi)
-        self._models = tuple(ReferenceModel(frequency) for frequency in frequencies)
+        self.models = tuple(ReferenceModel(frequency) for frequency in frequencies)
         self._engaged = False
 
     def step(
@@ -127,8 +192,6 @@ class PositionLaw:
     ) -> VelocityReference:
         """Velocity reference of this sample.
 
-        The heading error is not wrapped: between the yaw stops at +-170 deg the way round the back is closed.
-
         Args:
             state: of the helicopter.
             position: reference in earth NED [m].
@@ -139,22 +202,15 @@ class PositionLaw:
         references = (*position, heading)
         if not self._engaged:
             self._engaged = True
-            for model, value in zip(self._models, place, strict=True):
+            for model, value in zip(self.models, place, strict=True):
                 model.reset(value)
-        for model, reference in zip(self._models, references, strict=True):
+        for model, reference in zip(self.models, references, strict=True):
             model.step(reference)
-        north, east = position[0] - place[0], position[1] - place[1]
-        late_north, late_east, down, turn = (
-            model.value - value for model, value in zip(self._models, place, strict=True)
-        )
-        cosine, sine = cos(state.attitude.psi), sin(state.attitude.psi)
-        x, y, z, psi = self.axes
-        return (
-            x.step(cosine * north + sine * east, cosine * late_north + sine * late_east, feed_forward[0]),
-            y.step(cosine * east - sine * north, cosine * late_east - sine * late_north, feed_forward[1]),
-            z.step(down, down, self._models[2].rate + feed_forward[2]),
-            psi.step(heading - state.attitude.psi, turn, feed_forward[3]),
-        )
+        north, east, down, turn = self.models
+        expected = (north.value, east.value, down.value, turn.value)
+        errors = heading_errors(place, references, expected, down.rate, feed_forward)
+        x, y, z, psi = (axis.step(*each) for axis, each in zip(self.axes, errors, strict=True))
+        return x, y, z, psi
 
     def reset(self) -> None:
         """Forget all integrals; the next step expects nothing but what it sees."""

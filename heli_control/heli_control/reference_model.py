@@ -13,6 +13,26 @@ from math import exp
 from heli_common.timing import CONTROL_PERIOD
 
 
+def respond(
+    value: float, rate: float, reference: float, frequency: float, decay: float
+) -> tuple[float, float]:
+    """Value and rate one control period later; compiled code may call it.
+
+    With d = r - r_ref the solution is (d + (r' + omega d) t) e^(-omega t), and its derivative.
+
+    Args:
+        value: expected position [m or rad].
+        rate: its derivative.
+        reference: held over the period [m or rad].
+        frequency: omega [rad/s].
+        decay: e^(-omega T).
+    """
+    distance = value - reference
+    slope = rate + frequency * distance
+    late = distance + slope * CONTROL_PERIOD
+    return reference + late * decay, (slope - frequency * late) * decay
+
+
 class ReferenceModel:
     """One axis, discretised exactly for a reference that is held over a control period.
 
@@ -22,25 +42,20 @@ class ReferenceModel:
     Attributes:
         value: expected position [m or rad].
         rate: its derivative [m/s or rad/s].
+        frequency: as given.
+        decay: e^(-omega T).
     """
 
     def __init__(self, frequency: float) -> None:
         self.value = 0.0
         self.rate = 0.0
-        self._frequency = frequency
-        self._decay = exp(-frequency * CONTROL_PERIOD)
+        self.frequency = frequency
+        self.decay = exp(-frequency * CONTROL_PERIOD)
 
     def reset(self, value: float) -> None:
         """At rest at a value."""
         self.value, self.rate = value, 0.0
 
     def step(self, reference: float) -> None:
-        """Go on by one control period towards a reference.
-
-        With d = r - r_ref the solution is (d + (r' + omega d) t) e^(-omega t), and its derivative.
-        """
-        omega, time = self._frequency, CONTROL_PERIOD
-        distance = self.value - reference
-        slope = self.rate + omega * distance
-        self.value = reference + (distance + slope * time) * self._decay
-        self.rate = (slope - omega * (distance + slope * time)) * self._decay
+        """Go on by one control period towards a reference."""
+        self.value, self.rate = respond(self.value, self.rate, reference, self.frequency, self.decay)

@@ -56,8 +56,10 @@ class DiscreteBlock:
         if len(inputs) != len(self.inputs):
             raise ValueError(f"{len(inputs)} numbers for inputs {', '.join(self.inputs)}")
         column = (*self._state, *inputs)
-        self._state = tuple([product(row, column) for row in self._next])
-        return tuple([product(row, column) for row in self._output])
+        state, output = list(self._rest), [0.0] * len(self.outputs)
+        step_block(self._next, self._output, column, state, output)
+        self._state = tuple(state)
+        return tuple(output)
 
     def place(self, state: tuple[float, ...]) -> None:
         """Go on from another state.
@@ -144,9 +146,43 @@ def rows_of(matrix: Array) -> Rows:
     return tuple(tuple(row) for row in matrix.tolist())
 
 
-def product(row: tuple[float, ...], column: tuple[float, ...]) -> float:
-    """Sum of the products, in order."""
+def product(row: Sequence[float], column: Sequence[float]) -> float:
+    """Sum of the products, in order; compiled code may call it, as the next two."""
     total = 0.0
-    for factor, value in zip(row, column, strict=True):
-        total += factor * value
+    for index in range(len(column)):
+        total += row[index] * column[index]
     return total
+
+
+def step_block(
+    next_rows: Sequence[Sequence[float]],
+    output_rows: Sequence[Sequence[float]],
+    column: Sequence[float],
+    state: list[float],
+    output: list[float],
+) -> None:
+    """One step of x+ = A x + B u, y = C x + D u.
+
+    Args:
+        next_rows: (n, n + m) [A B].
+        output_rows: (p, n + m) [C D].
+        column: (n + m,) state, then inputs.
+        state: (n,) receives x+.
+        output: (p,) receives y.
+    """
+    for index in range(len(state)):
+        state[index] = product(next_rows[index], column)
+    for index in range(len(output)):
+        output[index] = product(output_rows[index], column)
+
+
+def add_product(state: list[float], rows: Sequence[Sequence[float]], column: Sequence[float]) -> None:
+    """x + E u, in place.
+
+    Args:
+        state: (n,) x, overwritten.
+        rows: (n, m) E.
+        column: (m,) u.
+    """
+    for index in range(len(state)):
+        state[index] = state[index] + product(rows[index], column)

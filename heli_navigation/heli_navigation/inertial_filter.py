@@ -96,6 +96,47 @@ def filter_step(
 
 
 @compiled
+def filter_run(memory: Array, samples: Array, box: Sequence[FilterConstants], work: Array) -> int:
+    """Take in samples one after the other while all encoders are indexed and the estimate means something.
+
+    Args:
+        memory: of the filter, in the parts of `Memory`, overwritten; begun by `first_memory`.
+        samples: (n, 18) six angles [rad], six flags of the index pulses, three rates [rad/s] and three
+            specific forces [m/s^2], all of them measured.
+        box: constants of the filter, boxed.
+        work: scratch in the order of `Work`.
+
+    Returns:
+        how many samples were taken; -1 less the index of the one at which the estimate became meaningless.
+    """
+    for index in range(len(samples)):
+        s = samples[index]
+        for encoder in range(ENCODERS):
+            if s[ENCODERS + encoder] < 0.5:
+                return index
+        if not filter_step(
+            memory,
+            s[0],
+            s[1],
+            s[2],
+            s[3],
+            s[4],
+            s[5],
+            s[12],
+            s[13],
+            s[14],
+            s[15],
+            s[16],
+            s[17],
+            True,
+            box,
+            work,
+        ):
+            return -1 - index
+    return len(samples)
+
+
+@compiled
 def _watch(memory: Array, work: Array, c: FilterConstants) -> None:
     """Note for how long no count has changed."""
     memory[Memory.unchanged] += c.period

@@ -32,7 +32,7 @@ from heli_navigation.filter_outputs import (
     read_odometry,
 )
 from heli_navigation.filter_parameters import FilterConstants, FilterParameters, filter_constants
-from heli_navigation.inertial_filter import filter_step
+from heli_navigation.inertial_filter import filter_run, filter_step
 
 Array = NDArray[np.float64]
 
@@ -136,6 +136,28 @@ class InertialNavigation:
             self._restarts += 1
             self._known = False
             self._await(arms, gimbal, indexed, gyro, accelerometer, imu_valid)
+
+    def run(self, samples: Array) -> None:
+        """Take in several samples whose IMU is sound: as `step` one after the other, in one call.
+
+        Args:
+            samples: (n, 18) angles of arms and gimbal as their counts say [rad]; 1 for each encoder that has
+                passed its index; body rates, FRD [rad/s]; specific force at the IMU, FRD [m/s^2].
+
+        Raises:
+            ValueError: a number is not finite.
+        """
+        taken = 0
+        if self._known:
+            taken = filter_run(self._memory, samples, self._box, self._work)
+            if taken < 0:
+                taken = -1 - taken
+                self._restarts += 1
+                self._known = False
+                self._await(*_parts(samples[taken]), True)
+                taken += 1
+        for sample in samples[taken:]:
+            self.step(*_parts(sample))
 
     def skip(self, samples: int) -> None:
         """Go on over samples that never came, by what was known before them.
@@ -271,6 +293,12 @@ class InertialNavigation:
         for start, end in _COUNTERS:  # what has happened stays known
             memory[start:end] = self._memory[start:end]
         self._memory, self._known = memory, True
+
+
+def _parts(sample: Array) -> tuple[list[float], list[float], list[float], list[float], list[float]]:
+    """Arms, gimbal, flags, rates and forces of one sample of `InertialNavigation.run`."""
+    s: list[float] = sample.tolist()
+    return s[0:3], s[3:6], s[6:12], s[12:15], s[15:18]
 
 
 def _vector(values: Sequence[float]) -> Vector3:

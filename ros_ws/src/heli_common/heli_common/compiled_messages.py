@@ -10,12 +10,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heli_common.compiled import callable_too, compiled
-from heli_common.rotations import Euler, Quaternion, canonical, multiply, quaternion_from_euler
-from heli_common.vehicle_state import quaternion_enu, swap_body, swap_earth
+from heli_common.rotations import (
+    Euler,
+    Quaternion,
+    canonical,
+    divided,
+    euler_from_unit,
+    is_rotation,
+    multiply,
+    norm,
+    quaternion_from_euler,
+)
+from heli_common.vehicle_state import quaternion_enu, quaternion_ned, swap_body, swap_earth
 
 Array = NDArray[np.float64]
 
-for _function in (canonical, multiply, quaternion_from_euler, quaternion_enu, swap_body, swap_earth):
+for _function in (
+    canonical,
+    multiply,
+    quaternion_from_euler,
+    quaternion_enu,
+    swap_body,
+    swap_earth,
+    norm,
+    is_rotation,
+    divided,
+    euler_from_unit,
+    quaternion_ned,
+):
     callable_too(_function)
 
 _SWAPPED = np.array([1, 0, 2, 4, 3, 5])
@@ -42,6 +64,58 @@ def write_odometry(motion: Array, values: Array) -> None:
     for place in range(36):
         values[7 + place] = pose[_ENU_PLACES[place]] * _ENU_SIGNS[place]
         values[49 + place] = twist[place] * _FLU_SIGNS[place]
+
+
+@compiled
+def read_pose(values: Array, pose: Array) -> bool:
+    """Position and attitude from the numbers of an Odometry or a PoseStamped in ENU/FLU.
+
+    Args:
+        values: (7 or more,) position and quaternion in front.
+        pose: (6 or more,) receives position in earth NED [m] and yaw, pitch, roll [rad].
+
+    Returns:
+        False, and nothing written, if the quaternion is zero or not finite.
+    """
+    turned = quaternion_ned(Quaternion(values[3], values[4], values[5], values[6]))
+    length = norm(turned)
+    if not is_rotation(length):
+        return False
+    pose[0], pose[1], pose[2] = swap_earth((values[0], values[1], values[2]))
+    pose[3], pose[4], pose[5] = euler_from_unit(divided(turned, length))
+    return True
+
+
+@compiled
+def read_state(values: Array, state: Array) -> bool:
+    """What `state_from_odometry` reads, but for whether the pose is known.
+
+    Args:
+        values: (85,) numbers of an Odometry in ENU/FLU.
+        state: (12,) receives position in earth NED [m]; yaw, pitch, roll [rad]; velocity [m/s] and rates
+            [rad/s] in body FRD.
+
+    Returns:
+        False, and nothing written, if the quaternion is zero or not finite.
+    """
+    if not read_pose(values, state):
+        return False
+    state[6], state[7], state[8] = swap_body((values[43], values[44], values[45]))
+    state[9], state[10], state[11] = swap_body((values[46], values[47], values[48]))
+    return True
+
+
+@compiled
+def write_pose(position: tuple[float, float, float], attitude: Euler, values: Array) -> None:
+    """The numbers of a PoseStamped (layout `pose_stamped`) in ENU/FLU.
+
+    Args:
+        position: earth NED [m].
+        attitude: yaw, pitch, roll [rad].
+        values: (7,) written.
+    """
+    values[0], values[1], values[2] = swap_earth(position)
+    _write_quaternion(quaternion_enu(attitude), values[3:7])
 
 
 @compiled

@@ -80,7 +80,12 @@ def euler_from_quaternion(quaternion: Quaternion) -> Euler:
     Raises:
         ValueError: the quaternion is zero or not finite.
     """
-    x, y, z, w = normalized(quaternion)
+    return euler_from_unit(normalized(quaternion))
+
+
+def euler_from_unit(quaternion: Quaternion) -> Euler:
+    """The same of a quaternion whose length is 1 already."""
+    x, y, z, w = quaternion
     sin_theta = 2.0 * (w * y - z * x)
     theta = asin(max(-1.0, min(1.0, sin_theta)))
     if abs(sin_theta) > 1.0 - 1e-12:
@@ -114,10 +119,27 @@ def normalized(quaternion: Quaternion) -> Quaternion:
     Raises:
         ValueError: the quaternion is zero or not finite.
     """
-    length = sqrt(sum(part * part for part in quaternion))
-    if not 1e-9 < length < 1e9:
+    length = norm(quaternion)
+    if not is_rotation(length):
         raise ValueError(f"{tuple(quaternion)} is no rotation")
-    return Quaternion(*(part / length for part in quaternion))
+    return divided(quaternion, length)
+
+
+def norm(quaternion: Quaternion) -> float:
+    """Length of a quaternion."""
+    x, y, z, w = quaternion
+    return sqrt(x * x + y * y + z * z + w * w)
+
+
+def is_rotation(length: float) -> bool:
+    """Whether a quaternion of this length can be brought to unit length."""
+    return 1e-9 < length < 1e9
+
+
+def divided(quaternion: Quaternion, length: float) -> Quaternion:
+    """Every part over a length."""
+    x, y, z, w = quaternion
+    return Quaternion(x / length, y / length, z / length, w / length)
 
 
 def canonical(quaternion: Quaternion) -> Quaternion:

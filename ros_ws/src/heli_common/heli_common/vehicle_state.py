@@ -78,7 +78,12 @@ def attitude_ned(quaternion: Quaternion) -> Euler:
     Raises:
         ValueError: the quaternion is zero or not finite.
     """
-    return euler_from_quaternion(multiply(_NED_TO_ENU, multiply(quaternion, _FLU_TO_FRD)))
+    return euler_from_quaternion(quaternion_ned(quaternion))
+
+
+def quaternion_ned(quaternion: Quaternion) -> Quaternion:
+    """FRD body to NED earth from FLU body to ENU earth, of any length."""
+    return multiply(_NED_TO_ENU, multiply(quaternion, _FLU_TO_FRD))
 
 
 def pose_values(position: Vector3, attitude: Euler) -> tuple[float, ...]:

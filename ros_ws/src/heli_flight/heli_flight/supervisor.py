@@ -12,7 +12,7 @@ from heli_common.flight_state import FlightState, flight_state_values
 from heli_common.quantities import check_number
 from heli_common.rotations import Euler
 from heli_common.topics import SUPERVISOR, TOPICS
-from heli_common.vehicle_state import pose_values, state_from_odometry
+from heli_common.vehicle_state import VehicleState, pose_values, state_from_odometry
 from heli_flight.plan import Home, Hover, Land, Phase, Plan, RunDown, RunUp, TakeOff
 from heli_flight.plan_phases import WIND
 from heli_flight.stages import FlightLimits, Observation, Reference, Stage, run_phase
@@ -26,9 +26,10 @@ COMMANDS: dict[str, tuple[Phase, ...]] = {
 """What each service makes the bench do, beside `stop`."""
 
 
-_POSITION_VARIANCES = tuple(
+POSITION_VARIANCES = tuple(
     TOPICS["odometry"].layout.fields.index(f"pose_covariance[{place}]") for place in (0, 7, 14)
 )
+"""Where an odometry message has the variances of its position."""
 
 
 class Supervisor:
@@ -72,9 +73,21 @@ class Supervisor:
         if joined is None:
             return []
         vehicle = state_from_odometry(joined["odometry"])
-        rotor_speed = joined["rotor_state"][1]
+        variance = max(joined["odometry"][place] for place in POSITION_VARIANCES)
+        self.act(stamp_ns, vehicle, joined["rotor_state"][1], math.sqrt(variance))
+        return self._messages(stamp_ns)
+
+    def act(self, stamp_ns: int, vehicle: VehicleState, rotor_speed: float, deviation: float) -> Reference:
+        """What is asked for at a control tick; the same object every time.
+
+        Args:
+            stamp_ns: of the tick [ns].
+            vehicle: as the navigation knows it.
+            rotor_speed: measured [rad/s].
+            deviation: largest standard deviation of the position [m].
+        """
         self._observation = Observation(stamp_ns * 1e-9, vehicle, rotor_speed)
-        self._deviation = math.sqrt(max(joined["odometry"][place] for place in _POSITION_VARIANCES))
+        self._deviation = deviation
         if not self.state.ended:
             try:
                 self._watch(self._observation)
@@ -84,7 +97,7 @@ class Supervisor:
                 self._reference.state = FlightState.FAULT
                 self._reference.rotor_speed = self._reference.wind = 0.0
                 self._reference.excitation = 0
-        return self._messages(stamp_ns)
+        return self._reference
 
     def command(self, name: str) -> tuple[bool, str]:
         """A service call; acts at the next control tick.
