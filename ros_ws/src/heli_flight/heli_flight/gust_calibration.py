@@ -18,7 +18,7 @@ from heli_common.errors import InputError, SafetyStop
 from heli_flight.metrics import AXES, UNITS, hover_metrics, reference_legs
 from heli_flight.parameter_file import NodeValues, yaml_number
 from heli_flight.plan import GUSTY, Plan
-from heli_flight.unrecorded_flight import RESULT, fly_for_figures
+from heli_flight.unrecorded_flight import fly_for_figures, lost
 from heli_flight.worker_pool import worked
 
 STRENGTHS = ("strength_x", "strength_y", "strength_z", "strength_yaw")
@@ -82,10 +82,10 @@ def sigmas_of(strengths: Four, seed: int, plan: Plan, values: NodeValues) -> Fou
     Raises:
         SafetyStop: the helicopter is lost.
     """
-    record = fly_for_figures(plan, CONTROLLER, seed, values.changed(topics.BENCH_SIM, room(strengths)))
-    if reason := record.custom_data.get(RESULT, ""):
+    flight = fly_for_figures(plan, CONTROLLER, seed, values.changed(topics.BENCH_SIM, room(strengths)))
+    if reason := lost(flight):
         raise SafetyStop(reason)
-    hovers = [hover_metrics(record, leg) for leg in reference_legs(record) if leg.jump is None]
+    hovers = [hover_metrics(flight, leg) for leg in reference_legs(flight) if leg.jump is None]
     longest = max((found for found in hovers if found), key=lambda found: found["duration_s"], default=None)
     if longest is None:
         raise SafetyStop("no hover")

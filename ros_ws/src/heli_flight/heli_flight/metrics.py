@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from heli_common.flight_state import FlightState
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import data_topics
-from heli_flight.flight_record import Array, FlightRecord, Stamps, seconds
+from heli_flight.flight_record import Array, FlightRecord, Flown, Stamps, seconds
 
 AXES = ("x", "y", "z", "psi")
 UNITS = ("m", "m", "m", "rad")
@@ -100,7 +100,7 @@ def flight_metrics(record: FlightRecord) -> dict[str, Any]:
 _NEEDED = tuple(name for name in data_topics() if name not in ("encoders", "rotor_state"))
 
 
-def reference_legs(record: FlightRecord) -> list[Leg]:
+def reference_legs(record: Flown) -> list[Leg]:
     """The stretches of constant reference while flying, without those on the lower stop."""
     stamps, reference = record.reference
     legs: list[Leg] = []
@@ -131,7 +131,7 @@ def _legs(stamps: Stamps, reference: Array, end_ns: int) -> list[Leg]:
     return legs
 
 
-def _errors(record: FlightRecord, leg: Leg, start_ns: int, end_ns: int) -> tuple[Array, Array, Array]:
+def _errors(record: Flown, leg: Leg, start_ns: int, end_ns: int) -> tuple[Array, Array, Array]:
     """Time since the leg's start [s], true pose minus reference (n, 4), and attitude (n, 3)."""
     truth = record.truth
     inside = (truth.stamps >= start_ns) & (truth.stamps <= end_ns)
@@ -146,7 +146,7 @@ def hover_start(leg: Leg) -> int:
     return leg.start_ns + round(min(HOVER_SETTLING, leg.duration / 3.0) * 1e9)
 
 
-def hover_metrics(record: FlightRecord, leg: Leg) -> dict[str, float]:
+def hover_metrics(record: Flown, leg: Leg) -> dict[str, float]:
     """Deviation of the true pose from a constant reference; empty without ground truth."""
     start_ns = hover_start(leg)
     _, error, attitude = _errors(record, leg, start_ns, leg.end_ns)
@@ -165,7 +165,7 @@ def hover_metrics(record: FlightRecord, leg: Leg) -> dict[str, float]:
     return found
 
 
-def step_metrics(record: FlightRecord, leg: Leg) -> dict[str, Any]:
+def step_metrics(record: Flown, leg: Leg) -> dict[str, Any]:
     """Response of the true pose to a step of the reference; empty without ground truth.
 
     The response counts from the old reference (0) to the new one (1).

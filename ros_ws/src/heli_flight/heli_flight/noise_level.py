@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import degrees, radians
+from math import radians
 
 import numpy as np
 
 from heli_common import topics
 from heli_common.errors import InputError
 from heli_flight.components import DEFAULTS
-from heli_flight.flight_record import FlightRecord
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Excite, Plan
-from heli_flight.unrecorded_flight import fly_for_figures, lost
+from heli_flight.unrecorded_flight import FlownFlight, fly_for_figures, lost
 from heli_identification.excitation import CHANNELS, Excitation, samples
 
 CHANNEL = "B_1s"
@@ -77,7 +76,7 @@ def with_noise(plan: Plan, sigma: float, seed: int) -> Plan:
 
 def fly_noise(
     plan: Plan, controller: str, sigma: float, seed: int, values: NodeValues = DEFAULTS
-) -> FlightRecord:
+) -> FlownFlight:
     """Fly noise of a standard deviation [rad] under the widest guard; the seed is that of bench and noise."""
     wide = values.changed(topics.IDENTIFICATION, WIDE_GUARD)
     return fly_for_figures(with_noise(plan, sigma, seed), controller, seed, wide)
@@ -114,8 +113,3 @@ def flown_noise_level(
     return noise_level(
         lambda sigma: lost(fly_noise(plan, controller, sigma, seed, values)), resolution=resolution
     )
-
-
-def in_degrees(level: float | None) -> float | None:
-    """For tables."""
-    return None if level is None else degrees(level)

@@ -8,22 +8,24 @@ from math import inf, radians
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from heli_common.errors import InputError
 from heli_common.flight_state import FlightState
-from heli_common.timing import CONTROL_PERIOD_NS
+from heli_common.timing import CONTROL_PERIOD, CONTROL_PERIOD_NS
 from heli_control.controller_file import load_controller
 from heli_control.sampled_loop import sampled_margins
 from heli_flight.chain import excited_segments, identified_blocks
-from heli_flight.flight_record import Array, FlightRecord, Stamps
+from heli_flight.flight_record import Array
 from heli_flight.flown_curves import AXES, LINEAR, curves_of, linear_curves, true_motion
 from heli_flight.flown_margin import linear_loop
 from heli_flight.metrics import Leg, hover_metrics, hover_start, reference_legs, step_metrics
 from heli_flight.noise_level import CHANNEL, RESOLUTION, flown_noise_level, fly_noise
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Plan, load_plan
+from heli_flight.plan_phases import STRONGEST_WIND
 from heli_flight.published_flights import DEAD_TIME
-from heli_flight.unrecorded_flight import KEPT, fly_for_figures, lost
+from heli_flight.unrecorded_flight import KEPT, FlownFlight, fly_for_figures, lost, messages_of
 
 PLANS = {
     "F1": "hover_steps",
@@ -41,12 +43,18 @@ PLANS = {
 DRAWN_NOISE = {"lq": 1.0, "ncf2": 1.1}
 """Sigma of Figures 5.13 and 5.14 [deg]; 1.0 for the other controllers."""
 
-IDENTIFYING = (*KEPT, "odometry", "motor_command", "motor_excitation", "reference_excitation")
+IDENTIFYING = (*KEPT, "odometry", "motor_command", "motor_excitation", "rotor")
 LATE_NS = 2_500_000_000
 """So long after a step the attitude should be calm again [ns]."""
 
-PLATEAU = 9.0
+PLATEAU = 8.5
 """How much of a step of the wind is judged, its end [s]."""
+
+FAN_TOLERANCE = 0.1
+"""How near the fan is to the speed asked for [m/s]."""
+
+
+Ticks = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -103,21 +111,21 @@ def fly_job(job: Job, values: NodeValues) -> Outcome:
 
 
 def _steps(job: Job, plan: Plan, values: NodeValues) -> Outcome:
-    record = fly_for_figures(plan, job.controller, job.seed, values)
-    legs = [leg for leg in reference_legs(record) if leg.jump is not None]
-    steps = [found | _calm(record, leg) for leg in legs if (found := step_metrics(record, leg))]
+    flight = fly_for_figures(plan, job.controller, job.seed, values)
+    legs = [leg for leg in reference_legs(flight) if leg.jump is not None]
+    steps = [found | _calm(flight, leg) for leg in legs if (found := step_metrics(flight, leg))]
     if not steps:
-        return Outcome(lost(record) or "no step", {})
+        return Outcome(lost(flight) or "no step", {})
     curves: dict[str, Array] = {}
     if job.drawn:
         start = legs[0].start_ns * 1e-9 - 1.0
-        curves = curves_of(record, start) | linear_curves(record, job.controller, start, values)
-    return Outcome(lost(record), {"steps": steps}, curves)
+        curves = curves_of(flight, start) | linear_curves(flight, job.controller, start, values)
+    return Outcome(lost(flight), {"steps": steps}, curves)
 
 
-def _calm(record: FlightRecord, leg: Leg) -> dict[str, float]:
+def _calm(flight: FlownFlight, leg: Leg) -> dict[str, float]:
     """Attitude when the step should be over, and how fast the body turned in all of it, root mean squares."""
-    truth, columns = record.truth, true_motion(record)
+    truth, columns = flight.truth, true_motion(flight)
     inside = (truth.stamps >= leg.start_ns) & (truth.stamps < leg.end_ns)
     late = inside & (truth.stamps >= leg.start_ns + LATE_NS)
     found = {f"late_{name}_rad": float(columns[name][late].std()) for name in ("theta", "phi")}
@@ -126,63 +134,51 @@ def _calm(record: FlightRecord, leg: Leg) -> dict[str, float]:
 
 
 def _hover(job: Job, plan: Plan, values: NodeValues) -> Outcome:
-    record = fly_for_figures(plan, job.controller, job.seed, values)
-    reason = lost(record)
-    legs = [leg for leg in reference_legs(record) if leg.jump is None]
+    flight = fly_for_figures(plan, job.controller, job.seed, values)
+    reason = lost(flight)
+    legs = [leg for leg in reference_legs(flight) if leg.jump is None]
     if reason or not legs:
         return Outcome(reason or "no hover", {})
     leg = max(legs, key=lambda one: one.duration)
     start_ns = hover_start(leg)
-    found: dict[str, Any] = dict(hover_metrics(record, leg))
-    stamps, actuators = record.actuator_state
+    found: dict[str, Any] = dict(hover_metrics(flight, leg))
+    stamps, actuators = flight.truth.stamps, flight.actuators
     inside = (stamps >= start_ns) & (stamps < leg.end_ns)
     names = ("B_1s", "A_1s", "theta_0", "theta_t")
     found |= {f"mean_{name}_rad": float(actuators[inside, i].mean()) for i, name in enumerate(names)}
-    return Outcome("", found, curves_of(record, start_ns * 1e-9, leg.end_ns * 1e-9) if job.drawn else {})
+    return Outcome("", found, curves_of(flight, start_ns * 1e-9, leg.end_ns * 1e-9) if job.drawn else {})
 
 
 def _wind(job: Job, plan: Plan, values: NodeValues) -> Outcome:
     """Means over the end of every step of the wind that was flown through."""
-    record = fly_for_figures(plan, job.controller, job.seed, values)
-    truth, state, condition = record.truth, record.series["flight_state"], record.series["bench_condition"]
-    asked, fan = state.column("velocity.fan"), condition.column("position.fan")
-    reference_stamps, reference = record.velocity_reference
-    columns, plateaus = true_motion(record), []
-    end_ns = _air(record)[1]
-    for begin, end in constant_stretches(state.stamps, asked, round(PLATEAU * 1e9)):
-        first, last = end - round(PLATEAU * 1e9), min(end, end_ns)
-        if begin < _air(record)[0] or last < end:
+    flight = fly_for_figures(plan, job.controller, job.seed, values)
+    columns, start, end = true_motion(flight), *_air(flight)
+    plateaus = []
+    for speed in range(round(STRONGEST_WIND) + 1):
+        chosen = _plateau(flight.fan, float(speed), start, end)
+        if not len(chosen):
             continue
-        chosen = (truth.stamps >= first) & (truth.stamps < last)
-        wanted = (reference_stamps >= first) & (reference_stamps < last)
-        blowing = (condition.stamps >= first) & (condition.stamps < last)
-        entry = {
-            "asked": float(asked[np.searchsorted(state.stamps, first)]),
-            "fan": float(fan[blowing].mean()),
-            "mean_u_ref": float(reference[wanted, 0].mean()),
-        }
+        entry = {"asked": float(speed), "fan": float(flight.fan[chosen].mean())}
         for name in AXES:
             entry[f"mean_{name}"] = float(columns[name][chosen].mean())
             entry[f"sigma_{name}"] = float(columns[name][chosen].std())
         plateaus.append(entry)
-    reason = lost(record)
-    figures: dict[str, Any] = {"plateaus": plateaus, "lost_at": float(fan.max()) if reason else None}
-    curves: dict[str, Array] = {}
-    if job.drawn:
-        start = _air(record)[0] * 1e-9
-        curves = curves_of(record, start, end_ns * 1e-9)
-        curves["fan"] = np.interp(curves["time"] + start, condition.time, fan)
-    return Outcome(reason, figures, curves)
+    reason = lost(flight)
+    figures: dict[str, Any] = {"plateaus": plateaus}
+    figures["lost_at"] = float(flight.fan[-1]) if reason else None
+    seconds = (tick * CONTROL_PERIOD for tick in (start, end))
+    return Outcome(reason, figures, curves_of(flight, *seconds) if job.drawn else {})
 
 
-def constant_stretches(stamps: Stamps, values: Array, shortest_ns: int) -> list[tuple[int, int]]:
-    """First stamp and first stamp after every stretch in which a value stays, if it is long enough [ns]."""
-    if not len(stamps):
-        return []
-    changes = [0, *(np.flatnonzero(np.diff(values) != 0.0) + 1).tolist(), len(stamps)]
-    ends = [*(int(stamps[index]) for index in changes[1:-1]), int(stamps[-1]) + CONTROL_PERIOD_NS]
-    found = [(int(stamps[index]), end) for index, end in zip(changes[:-1], ends, strict=True)]
-    return [(begin, end) for begin, end in found if end - begin >= shortest_ns]
+def _plateau(fan: Array, speed: float, start: int, end: int) -> Ticks:
+    """Ticks of the last PLATEAU of the first stretch at a speed of the fan; none if it is shorter."""
+    at_speed = np.flatnonzero(np.abs(fan[start:end] - speed) < FAN_TOLERANCE) + start
+    if not len(at_speed):
+        return at_speed
+    breaks = np.flatnonzero(np.diff(at_speed) > 1)
+    stretch = at_speed[: int(breaks[0]) + 1] if len(breaks) else at_speed
+    count = round(PLATEAU / CONTROL_PERIOD)
+    return stretch[-count:] if len(stretch) >= count else stretch[:0]
 
 
 def _noise(job: Job, plan: Plan, values: NodeValues) -> Outcome:
@@ -193,22 +189,22 @@ def _noise(job: Job, plan: Plan, values: NodeValues) -> Outcome:
 
 def _drawn_noise(job: Job, plan: Plan, values: NodeValues) -> Outcome:
     sigma = radians(DRAWN_NOISE.get(job.controller, 1.0))
-    record = fly_noise(plan, job.controller, sigma, job.seed, values)
-    excitation = record.series["excitation"]
+    flight = fly_noise(plan, job.controller, sigma, job.seed, values)
+    excitation = messages_of(flight).series["excitation"]
     column = excitation.column(f"position.{CHANNEL}")
     acting = np.flatnonzero(column != 0.0)
     if not len(acting):
-        return Outcome(lost(record) or "nothing was excited", {"sigma": sigma})
-    start = excitation.stamps[acting[0]] * 1e-9 - 2.0
-    curves = curves_of(record, start, every=1)
+        return Outcome(lost(flight) or "nothing was excited", {"sigma": sigma})
+    start = float(excitation.time[acting[0]]) - 2.0
+    curves = curves_of(flight, start, every=1)
     curves["noise"] = np.interp(curves["time"] + start, excitation.time, column)
-    return Outcome(lost(record), {"sigma": sigma}, curves)
+    return Outcome(lost(flight), {"sigma": sigma}, curves)
 
 
 def _identification(job: Job, plan: Plan, values: NodeValues) -> Outcome:
     """What the flight was like, and what its data say of the helicopter."""
-    record = fly_for_figures(plan, job.controller, job.seed, values, IDENTIFYING)
-    reason = lost(record)
+    flight = fly_for_figures(plan, job.controller, job.seed, values, IDENTIFYING)
+    record, reason = messages_of(flight), lost(flight)
     figures: dict[str, Any] = {
         "flown": len({*record.series["flight_state"].column("effort.flight_state")} - {0.0})
     }
@@ -235,23 +231,23 @@ def _identification(job: Job, plan: Plan, values: NodeValues) -> Outcome:
 
 
 def _velocity(job: Job, plan: Plan, values: NodeValues) -> Outcome:
-    record = fly_for_figures(plan, job.controller, job.seed, values, (*KEPT, "reference_excitation"))
-    pieces = [excited_segments(record, plan, (name,)) for name in ("u", "v")]
+    flight = fly_for_figures(plan, job.controller, job.seed, values)
+    pieces = [excited_segments(messages_of(flight), plan, (name,)) for name in ("u", "v")]
     if not all(pieces):
-        return Outcome(lost(record) or "nothing was excited", {})
+        return Outcome(lost(flight) or "nothing was excited", {})
     start = float(pieces[0][0].begin or 0.0) - 1.5
-    linear = linear_curves(record, job.controller, start, values)
-    curves = curves_of(record, start) | linear
+    linear = linear_curves(flight, job.controller, start, values)
+    curves = curves_of(flight, start) | linear
     apart = {
         name: float(np.sqrt(np.mean((curves[name] - curves[name][0] - curves[f"linear_{name}"]) ** 2)))
         for name in LINEAR
     }
-    return Outcome(lost(record), {"apart": apart}, curves if job.drawn else {})
+    return Outcome(lost(flight), {"apart": apart}, curves if job.drawn else {})
 
 
 def _wireless(job: Job, plan: Plan, values: NodeValues) -> Outcome:
-    record = fly_for_figures(plan, job.controller, job.seed, values)
-    stamps = record.truth.stamps
+    flight = fly_for_figures(plan, job.controller, job.seed, values)
+    stamps = flight.truth.stamps
     begun = plan.faults[0].start_ns
     margins = sampled_margins(linear_loop(load_controller(job.controller), "horizontal", values))
     figures = {
@@ -259,7 +255,7 @@ def _wireless(job: Job, plan: Plan, values: NodeValues) -> Outcome:
         "after": max(0.0, float(stamps[-1] - begun) * 1e-9) if len(stamps) else inf,
         "delay_margin": 1e-3 * margins.delay_ms,
     }
-    return Outcome(lost(record), figures, curves_of(record, begun * 1e-9 - 2.0) if job.drawn else {})
+    return Outcome(lost(flight), figures, curves_of(flight, begun * 1e-9 - 2.0) if job.drawn else {})
 
 
 _FLOWN: dict[str, Callable[[Job, Plan, NodeValues], Outcome]] = {
@@ -275,8 +271,8 @@ _FLOWN: dict[str, Callable[[Job, Plan, NodeValues], Outcome]] = {
 }
 
 
-def _air(record: FlightRecord) -> tuple[int, int]:
-    """First stamp after the take-off and last one of flying [ns]; both 0 of a flight that never flew."""
-    legs = reference_legs(record)
-    flown = [stage.end_ns for stage in record.stages if stage.state is FlightState.FLYING]
-    return (legs[0].start_ns, flown[-1]) if legs and flown else (0, 0)
+def _air(flight: FlownFlight) -> tuple[int, int]:
+    """Ticks from the end of the climb to the end of flying; both 0 of a flight that did not get there."""
+    legs = reference_legs(flight)
+    flying = np.flatnonzero(flight.state == FlightState.FLYING)
+    return (legs[0].start_ns // CONTROL_PERIOD_NS, int(flying[-1]) + 1) if legs and len(flying) else (0, 0)

@@ -193,9 +193,7 @@ class SwiftFlight:
         *servo, voltage = command.tolist()
         bench.receive("servo_command", stamp_ns, servo)
         bench.receive("motor_command", stamp_ns, (0.0, 0.0, voltage))
-        bench.receive(
-            "flight_state", stamp_ns, flight_state_values(stage, wanted.rotor_speed, wanted.wind)
-        )
+        bench.receive("flight_state", stamp_ns, flight_state_values(stage, wanted.rotor_speed, wanted.wind))
 
     def _seen(self) -> tuple[VehicleState, float]:
         """What the navigation knows: the vehicle, and the largest deviation of its position [m]."""
