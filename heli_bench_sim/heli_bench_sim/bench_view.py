@@ -34,6 +34,8 @@ class BenchView:
         self.parameters = parameters
         self._constants = bench_constants(parameters)
         self._box = boxed(self._constants)
+        # a record within a record is slow to reach
+        self._stop, self._helicopter = self._constants.stop, self._constants.helicopter
         self._memory = blank_memory()
         self._state = self._memory[Memory.state : Memory.slope]
         self._command = self._memory[Memory.command : Memory.air]
@@ -104,7 +106,7 @@ class BenchView:
     def normal_force(self) -> float:
         """Force of the lower stop on the helicopter [N]; 0 in flight."""
         down = rigid_body.earth_from_body(*self.velocity, *self.attitude)[2]
-        return float(lower_stop.normal_force(float(self._state[State.z]), down, self._constants.stop))
+        return float(lower_stop.normal_force(float(self._state[State.z]), down, self._stop))
 
     @property
     def on_stop(self) -> bool:
@@ -143,12 +145,12 @@ class BenchView:
     @property
     def loads(self) -> Loads:
         """Thrusts, torques and current now."""
-        return helicopter.loads(self._state, self._inputs(), self._air, self._constants.helicopter)
+        return helicopter.loads(self._state, self._inputs(), self._air, self._helicopter)
 
     @property
     def violations(self) -> tuple[Violation, ...]:
         """Where the model leaves the regime it was identified in."""
-        return violations(self._state, self._inputs(), self._air, self._constants.helicopter)
+        return violations(self._state, self._inputs(), self._air, self._helicopter)
 
     # Readings ------------------------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from heli_common.compiled import compiled
+from heli_common.rig_geometry import RADIAN_PER_COUNT
 from heli_navigation.alignment import leave_stand, stand
 from heli_navigation.coasting import begin_coast, end_coast
 from heli_navigation.corrections import correct
@@ -101,7 +102,7 @@ def filter_run(memory: Array, samples: Array, box: Sequence[FilterConstants], wo
 
     Args:
         memory: of the filter, in the parts of `Memory`, overwritten; begun by `first_memory`.
-        samples: (n, 18) six angles [rad], six flags of the index pulses, three rates [rad/s] and three
+        samples: (n, 18 or more) six counts, six flags of the index pulses, three rates [rad/s] and three
             specific forces [m/s^2], all of them measured.
         box: constants of the filter, boxed.
         work: scratch in the order of `Work`.
@@ -116,12 +117,12 @@ def filter_run(memory: Array, samples: Array, box: Sequence[FilterConstants], wo
                 return index
         if not filter_step(
             memory,
-            s[0],
-            s[1],
-            s[2],
-            s[3],
-            s[4],
-            s[5],
+            s[0] * RADIAN_PER_COUNT,
+            s[1] * RADIAN_PER_COUNT,
+            s[2] * RADIAN_PER_COUNT,
+            s[3] * RADIAN_PER_COUNT,
+            s[4] * RADIAN_PER_COUNT,
+            s[5] * RADIAN_PER_COUNT,
             s[12],
             s[13],
             s[14],

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from heli_common.finite import require_finite
 from heli_common.records import boxed, packed
-from heli_common.rig_geometry import ENCODER_NAMES, RigGeometry
+from heli_common.rig_geometry import ENCODER_NAMES, RADIAN_PER_COUNT, RigGeometry
 from heli_common.rotations import Euler, Vector3
 from heli_common.topics import TOPICS
 from heli_common.vehicle_state import NOWHERE, VehicleState, swap_body
@@ -141,8 +141,8 @@ class InertialNavigation:
         """Take in several samples whose IMU is sound: as `step` one after the other, in one call.
 
         Args:
-            samples: (n, 18) angles of arms and gimbal as their counts say [rad]; 1 for each encoder that has
-                passed its index; body rates, FRD [rad/s]; specific force at the IMU, FRD [m/s^2].
+            samples: (n, 18 or more) counts of arms and gimbal; 1 for each encoder that has passed its index;
+                body rates, FRD [rad/s]; specific force at the IMU, FRD [m/s^2]; more is not read.
 
         Raises:
             ValueError: a number is not finite.
@@ -298,7 +298,8 @@ class InertialNavigation:
 def _parts(sample: Array) -> tuple[list[float], list[float], list[float], list[float], list[float]]:
     """Arms, gimbal, flags, rates and forces of one sample of `InertialNavigation.run`."""
     s: list[float] = sample.tolist()
-    return s[0:3], s[3:6], s[6:12], s[12:15], s[15:18]
+    angles = [count * RADIAN_PER_COUNT for count in s[0:6]]
+    return angles[0:3], angles[3:6], s[6:12], s[12:15], s[15:18]
 
 
 def _vector(values: Sequence[float]) -> Vector3:

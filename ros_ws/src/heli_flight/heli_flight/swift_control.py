@@ -182,11 +182,7 @@ class SwiftControl:
         self.command = np.zeros(CHANNELS + 1)
 
     def step(
-        self,
-        state: Array,
-        reference: tuple[float, float, float, float],
-        rotor: tuple[float, float],
-        flags: int,
+        self, state: Array, reference: tuple[float, float, float, float], rotor: tuple[float, float], flags: int
     ) -> bool:
         """The commands of one control period; False if one of them is not finite.
 
@@ -248,7 +244,9 @@ def control_step(
         for axis in range(CHANNELS):
             memory[Memory.integral + axis] = 0.0
     more = table[Table.more]
-    authority = next_authority(memory[Memory.authority], flags & Flag.ended != 0, steered, more[0], more[1])
+    authority = next_authority(
+        memory[Memory.authority], flags & Flag.ended != 0, steered, more[0], more[1]
+    )
     memory[Memory.authority] = authority
     asked = memory[Memory.asked : Memory.end]
     if authority == 0.0:
@@ -284,9 +282,7 @@ def control_step(
 
 
 @compiled
-def _position(
-    memory: Array, table: Array, state: Array, reference: Array
-) -> tuple[float, float, float, float]:
+def _position(memory: Array, table: Array, state: Array, reference: Array) -> tuple[float, float, float, float]:
     """Velocity reference in heading axes, within its limits."""
     place = (state[0], state[1], state[2], state[3])
     wanted = (reference[0], reference[1], reference[2], reference[3])
@@ -375,3 +371,5 @@ def _axis_follow(places: Indices, numbers: Array, trim: Array, applied: Array) -
 def _rest(places: Indices, numbers: Array) -> None:
     for index in range(places[0]):
         numbers[index] = 0.0
+
+

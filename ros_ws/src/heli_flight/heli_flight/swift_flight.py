@@ -18,15 +18,13 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_bench_sim.bench_memory import Reading
-from heli_bench_sim.encoders import ENCODERS
-from heli_bench_sim.states import State
+from heli_bench_sim.bench_memory import READING_SIZE
 from heli_common import topics
 from heli_common.compiled_messages import read_state
 from heli_common.errors import SafetyStop
 from heli_common.finite import require_finite
 from heli_common.flight_state import FlightState, flight_state_values
-from heli_common.rig_geometry import RADIAN_PER_COUNT, RigGeometry
+from heli_common.rig_geometry import RigGeometry
 from heli_common.rotations import Euler
 from heli_common.timing import CONTROL_PERIOD, CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
 from heli_common.vehicle_state import NOWHERE, UNKNOWN_VARIANCE, VehicleState
@@ -50,8 +48,14 @@ Array = NDArray[np.float64]
 
 _SAMPLES = CONTROL_PERIOD_NS // SENSOR_PERIOD_NS
 _HALF = _SAMPLES // 2
-_TRUTH = slice(State.x, State.phi + 1)
 _FIRST, _SECOND, _THIRD = POSITION_VARIANCES
+_KNOWN, _DRIVEN = int(Flag.known), int(Flag.driven)
+_FLAGS = {
+    state: int(Flag.controlled) * state.controlled
+    + int(Flag.ended) * state.ended
+    + _DRIVEN * (state is not FlightState.IDLE and not state.ended)
+    for state in FlightState
+}
 _NOWHERE_DEVIATION = sqrt(UNKNOWN_VARIANCE)
 
 
@@ -142,7 +146,8 @@ class SwiftFlight:
             SpeedGovernor((motor or load_motor_controller("motor")).parameters),
         )
         self._vehicle: Array = np.zeros(12)
-        self._samples: Array = np.empty((_SAMPLES, Reading.rotor_speed))
+        self._samples: Array = np.empty((_SAMPLES, READING_SIZE))
+        self._told: tuple[FlightState, float] | None = None
         self._expected = round(plan.duration / CONTROL_PERIOD) + 1
 
     def fly(self) -> FlightLog:
@@ -151,7 +156,7 @@ class SwiftFlight:
         reason = ""
         try:
             self.bench.tick()
-            self._filter.run(self._sensed(self.bench.bench.reading[None]))
+            self._filter.run(self.bench.bench.reading[None])
             while True:
                 if tick == len(log.state):
                     log = log.grown(2 * tick)
@@ -159,23 +164,17 @@ class SwiftFlight:
                 tick += 1
                 if self.bench.ended_at is not None:
                     break
-                first, second = self.bench.run(_HALF), self.bench.run(_HALF)
-                self._samples[:_HALF], self._samples[_HALF:] = self._sensed(first), self._sensed(second)
+                self._samples[:_HALF] = self.bench.run(_HALF)
+                self._samples[_HALF:] = self.bench.run(_HALF)
                 self._filter.run(self._samples)
             if self.leader.state is FlightState.FAULT:
                 reason = self.leader.reason
         except (SafetyStop, ValueError) as error:
             reason = str(error)
         log = log.grown(tick)
-        log.reason, log.remarks = reason, self.bench.remarks()
+        log.reason = reason
+        log.remarks = {name: said for name, said in self.bench.remarks().items() if name.startswith("regime")}
         return log
-
-    @staticmethod
-    def _sensed(readings: Array) -> Array:
-        """(n, 18) what the navigation gets of readings of the bench."""
-        samples: Array = readings[:, : Reading.rotor_speed].copy()
-        samples[:, :ENCODERS] *= RADIAN_PER_COUNT
-        return samples
 
     def _control_tick(self, log: FlightLog, tick: int) -> None:
         """Supervisor and controllers act on the latest sample."""
@@ -193,7 +192,10 @@ class SwiftFlight:
         *servo, voltage = command.tolist()
         bench.receive("servo_command", stamp_ns, servo)
         bench.receive("motor_command", stamp_ns, (0.0, 0.0, voltage))
-        bench.receive("flight_state", stamp_ns, flight_state_values(stage, wanted.rotor_speed, wanted.wind))
+        told = (stage, wanted.wind)
+        if told != self._told:  # the bench holds what it was told last
+            self._told = told
+            bench.receive("flight_state", stamp_ns, flight_state_values(stage, wanted.rotor_speed, wanted.wind))
 
     def _seen(self) -> tuple[VehicleState, float]:
         """What the navigation knows: the vehicle, and the largest deviation of its position [m]."""
@@ -209,13 +211,9 @@ class SwiftFlight:
 
     def _command(self, wanted: Reference, stage: FlightState, known: bool, rotor_speed: float) -> Array:
         """(5,) servo command [rad] and control voltage [V]."""
-        driven = not (wanted.rotor_speed <= 0.0 or stage is FlightState.IDLE or stage.ended)
-        flags = (
-            Flag.controlled * stage.controlled
-            + Flag.ended * stage.ended
-            + Flag.driven * driven
-            + Flag.known * known
-        )
+        flags = _FLAGS[stage] | (_KNOWN if known else 0)
+        if wanted.rotor_speed <= 0.0:
+            flags &= ~_DRIVEN
         rotor = (wanted.rotor_speed, rotor_speed)
         if not self._control.step(self._vehicle, (*wanted.position, wanted.heading), rotor, flags):
             require_finite("servo_command", self._control.command.tolist())
