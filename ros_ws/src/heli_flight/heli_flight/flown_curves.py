@@ -10,6 +10,7 @@ from heli_common.timing import PWM_PERIOD_NS
 from heli_common.topics import SERVO_CHANNELS
 from heli_control.controller_file import load_controller
 from heli_flight.flight_record import Array, swap_body
+from heli_flight.linear_flight import fly_linear
 from heli_flight.parameter_file import NodeValues
 from heli_flight.unrecorded_flight import FlownFlight
 

@@ -1,4 +1,4 @@
-"""The steps of F1 and F7 on the linear plant: the same controller, pulse frames and latency, no sensors, no stops.
+"""The steps of F1 and F7 on the linear plant: the same controller, pulse frames and latency, no sensors.
 
 Plant, friction of the arms, servos and positions are linear and advance exactly; the controller file's
 horizontal law and the position law act as they do in flight. Everything counts from the operating point.
@@ -53,7 +53,7 @@ class LinearFlight:
 
 
 def horizontal_rig(values: NodeValues = DEFAULTS) -> tuple[StateSpace, float, float]:
-    """The linear horizontal plant with friction and positions; bandwidth [rad/s] and damping of the servos."""
+    """The linear plant with friction and positions; bandwidth [rad/s] and damping of the servos."""
     bench = values.build_groups(topics.BENCH_SIM, BenchParameters)
     plant = linearize.horizontal(bench.helicopter, trim(bench.helicopter))
     arms = {"u": bench.friction.viscous_x, "v": bench.friction.viscous_y}
@@ -82,8 +82,10 @@ def fly_linear(
     early, late = COMMAND_LATENCY_NS * 1e-9, (CONTROL_PERIOD_NS - COMMAND_LATENCY_NS) * 1e-9
     flows = {duration: _flow(plant, bandwidth, damping, duration) for duration in (early, late)}
     law = controller.horizontal.system
-    memory, rig = np.zeros(len(law.states)), np.zeros(len(plant.states) + 4)
-    latched, asked = np.zeros(2), np.zeros(2)
+    memory: Array = np.zeros(len(law.states))
+    rig: Array = np.zeros(len(plant.states) + 4)
+    latched: Array = np.zeros(2)
+    asked: Array = np.zeros(2)
     places = [plant.states.index(name) for name in SIGNALS]
     rates = [plant.states.index(name) for name in ("q", "p")]
     outer = PositionLaw(values.build(topics.POSITION_CONTROLLER, PositionParameters))
@@ -107,7 +109,8 @@ def fly_linear(
                 latched = asked
             moved, driven = flows[duration]
             rig = moved @ rig + driven @ latched
-    return LinearFlight(np.arange(count) * CONTROL_PERIOD, motion, command)
+    time: Array = np.arange(count, dtype=np.float64) * CONTROL_PERIOD
+    return LinearFlight(time, motion, command)
 
 
 def _flow(plant: StateSpace, bandwidth: float, damping: float, duration: float) -> tuple[Array, Array]:

@@ -8,20 +8,17 @@ from math import radians
 
 import numpy as np
 
-from heli_common import topics
 from heli_common.errors import InputError
 from heli_flight.components import DEFAULTS
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Excite, Plan
-from heli_flight.unrecorded_flight import FlownFlight, fly_for_figures, lost
+from heli_flight.unrecorded_flight import FlownFlight, fly_excited, lost
 from heli_identification.excitation import CHANNELS, Excitation, samples
 
 CHANNEL = "B_1s"
 HIGHEST = radians(3.0)
 """Where the search begins [rad]; the swash plate reaches +-6.3 deg of cyclic in hover."""
 RESOLUTION = radians(0.1)
-WIDE_GUARD = {"guard.radius": 0.5, "guard.height": 0.5, "guard.tilt": 0.35}
-"""The excitation goes on until the supervisor stops the flight, as in ros_ws/config/wide_guard.yaml."""
 
 
 @dataclass(frozen=True)
@@ -77,9 +74,12 @@ def with_noise(plan: Plan, sigma: float, seed: int) -> Plan:
 def fly_noise(
     plan: Plan, controller: str, sigma: float, seed: int, values: NodeValues = DEFAULTS
 ) -> FlownFlight:
-    """Fly noise of a standard deviation [rad] under the widest guard; the seed is that of bench and noise."""
-    wide = values.changed(topics.IDENTIFICATION, WIDE_GUARD)
-    return fly_for_figures(with_noise(plan, sigma, seed), controller, seed, wide)
+    """Fly noise of a standard deviation [rad] until the plan or the supervisor ends it.
+
+    The seed is that of bench and noise. On the graph the identification's guard would end the noise earlier, but
+    for ros_ws/config/wide_guard.yaml.
+    """
+    return fly_excited(with_noise(plan, sigma, seed), controller, seed, values)
 
 
 def noise_level(

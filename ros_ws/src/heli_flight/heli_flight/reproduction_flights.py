@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from heli_common.errors import InputError
 from heli_common.flight_state import FlightState
 from heli_common.timing import CONTROL_PERIOD, CONTROL_PERIOD_NS
+from heli_common.topics import SERVO_CHANNELS
 from heli_control.controller_file import load_controller
 from heli_control.sampled_loop import sampled_margins
 from heli_flight.chain import excited_segments, identified_blocks
@@ -134,18 +135,17 @@ def _calm(flight: FlownFlight, leg: Leg) -> dict[str, float]:
 
 
 def _hover(job: Job, plan: Plan, values: NodeValues) -> Outcome:
+    """A touch of a stop is told, and is no loss: the flight goes on."""
     flight = fly_for_figures(plan, job.controller, job.seed, values)
-    reason = lost(flight)
     legs = [leg for leg in reference_legs(flight) if leg.jump is None]
-    if reason or not legs:
-        return Outcome(reason or "no hover", {})
+    if flight.reason or not legs:
+        return Outcome(flight.reason or "no hover", {})
     leg = max(legs, key=lambda one: one.duration)
     start_ns = hover_start(leg)
-    found: dict[str, Any] = dict(hover_metrics(flight, leg))
-    stamps, actuators = flight.truth.stamps, flight.actuators
-    inside = (stamps >= start_ns) & (stamps < leg.end_ns)
-    names = ("B_1s", "A_1s", "theta_0", "theta_t")
-    found |= {f"mean_{name}_rad": float(actuators[inside, i].mean()) for i, name in enumerate(names)}
+    found: dict[str, Any] = {**hover_metrics(flight, leg), "touched": lost(flight)}
+    inside = (flight.truth.stamps >= start_ns) & (flight.truth.stamps < leg.end_ns)
+    means = flight.actuators[inside].mean(axis=0).tolist()
+    found |= {f"mean_{name}_rad": mean for name, mean in zip(SERVO_CHANNELS, means, strict=True)}
     return Outcome("", found, curves_of(flight, start_ns * 1e-9, leg.end_ns * 1e-9) if job.drawn else {})
 
 
@@ -166,8 +166,8 @@ def _wind(job: Job, plan: Plan, values: NodeValues) -> Outcome:
     reason = lost(flight)
     figures: dict[str, Any] = {"plateaus": plateaus}
     figures["lost_at"] = float(flight.fan[-1]) if reason else None
-    seconds = (tick * CONTROL_PERIOD for tick in (start, end))
-    return Outcome(reason, figures, curves_of(flight, *seconds) if job.drawn else {})
+    first, last = start * CONTROL_PERIOD, end * CONTROL_PERIOD
+    return Outcome(reason, figures, curves_of(flight, first, last) if job.drawn else {})
 
 
 def _plateau(fan: Array, speed: float, start: int, end: int) -> Ticks:
@@ -190,14 +190,13 @@ def _noise(job: Job, plan: Plan, values: NodeValues) -> Outcome:
 def _drawn_noise(job: Job, plan: Plan, values: NodeValues) -> Outcome:
     sigma = radians(DRAWN_NOISE.get(job.controller, 1.0))
     flight = fly_noise(plan, job.controller, sigma, job.seed, values)
-    excitation = messages_of(flight).series["excitation"]
-    column = excitation.column(f"position.{CHANNEL}")
-    acting = np.flatnonzero(column != 0.0)
+    acting = np.flatnonzero(flight.excitation.any(axis=1))
     if not len(acting):
         return Outcome(lost(flight) or "nothing was excited", {"sigma": sigma})
-    start = float(excitation.time[acting[0]]) - 2.0
+    start = float(flight.truth.time[acting[0]]) - 2.0
     curves = curves_of(flight, start, every=1)
-    curves["noise"] = np.interp(curves["time"] + start, excitation.time, column)
+    noise = flight.excitation[:, SERVO_CHANNELS.index(CHANNEL)]
+    curves["noise"] = noise[len(noise) - len(curves["time"]) :]
     return Outcome(lost(flight), {"sigma": sigma}, curves)
 
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from heli_flight.components import DEFAULTS
 from heli_flight.parameter_file import NodeValues, read_parameters
 from heli_flight.plan import load_plan
 from heli_flight.reproduction_flights import PLANS, Job, Outcome, fly_job
-from heli_flight.worker_pool import worked
+from heli_flight.worker_pool import Workers
 
 FLIGHTS = "flights"
 _META = "meta"
@@ -34,6 +35,8 @@ _FLIGHT_SOURCES = (
     "reproduction_flights.py",
     "stages.py",
     "supervisor.py",
+    "swift_control.py",
+    "swift_flight.py",
     "unrecorded_flight.py",
 )
 """Of heli_flight, what a flight depends on: an edit of the page flies nothing again."""
@@ -85,8 +88,8 @@ def save(path: Path, outcome: Outcome, key: str) -> None:
     """
     meta = json.dumps({"hash": key, "lost": outcome.lost, "figures": outcome.figures})
     stream = io.BytesIO()
-    arrays = {name: curve.astype(np.float32) for name, curve in outcome.curves.items()}
-    np.savez_compressed(stream, **{_META: np.array(meta)}, **arrays)
+    arrays: dict[str, Any] = {name: curve.astype(np.float32) for name, curve in outcome.curves.items()}
+    np.savez_compressed(stream, **arrays, **{_META: np.array(meta)})
     write_atomically(path, stream.getvalue())
 
 
@@ -135,10 +138,11 @@ def flown(
         else:
             found[job] = outcome
     begin, done = perf_counter(), len(found)
-    for job, outcome in worked(partial(_fly, folder, parameters), todo, workers):
-        found[job] = outcome
-        done += 1
-        tell(job, done, len(jobs), perf_counter() - begin)
+    with Workers(workers) as pool:
+        for job, outcome in pool.results(partial(_fly, folder, parameters), todo):
+            found[job] = outcome
+            done += 1
+            tell(job, done, len(jobs), perf_counter() - begin)
     return found
 
 

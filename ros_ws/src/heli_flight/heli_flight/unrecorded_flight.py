@@ -1,32 +1,36 @@
 """A flight in this process that leaves no bag: what calibration and reproduction need of it, in memory.
 
 `fly_for_figures` is the one place where they fly: without messages where the plan allows it (`swift_flight`),
-else by the components of `in_process`. Both give the same numbers (`test_unrecorded_flight.py`).
+else by the components of `in_process`. `fly_excited` adds the excitations of a plan to the commands of a swift
+flight, without the identification and its guard. All give the same numbers (`test_unrecorded_flight.py`).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_common.errors import SafetyStop
+from heli_common.errors import InputError, SafetyStop
 from heli_common.flight_state import FlightState
 from heli_common.rig_geometry import RigGeometry
 from heli_common.timing import CONTROL_PERIOD_NS
-from heli_common.topics import TOPICS
+from heli_common.topics import SERVO_CHANNELS, TOPICS
 from heli_control.controller_file import load_controller
 from heli_flight.bag_reader import Bag
 from heli_flight.components import DEFAULTS, bench_simulator, controllers, identifier, supervisor
 from heli_flight.flight_record import Array, FlightRecord, Motion, Stage, Stamps, stages_of
 from heli_flight.in_process import InProcessGraph
 from heli_flight.parameter_file import NodeValues
-from heli_flight.plan import Plan
+from heli_flight.plan import Excite, Hover, Phase, Plan
 from heli_flight.swift_flight import FlightLog, SwiftFlight, is_swift
+from heli_identification.excitation import COMMAND_CHANNELS, samples
 
 KEPT = (
     "ground_truth",
@@ -44,7 +48,8 @@ CONTACT = 0.005
 """How close to the end of travel counts as touching it [m]."""
 
 _FURTHEST_YAW = math.radians(169.0)
-_COMMANDS = 4
+_COMMANDS = len(SERVO_CHANNELS)
+_NOTHING = (0.0,) * _COMMANDS
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +64,7 @@ class FlownFlight:
         fan: mean speed on the axis of the jet [m/s], shape (n,).
         state: codes of the stages, shape (n,).
         reason: why the flight ended early, or an empty string.
+        excitation: added to the command [rad], shape (n, 4).
         record: its messages, of a flight by components.
     """
 
@@ -69,6 +75,7 @@ class FlownFlight:
     fan: Array
     state: NDArray[np.int64]
     reason: str
+    excitation: Array
     record: FlightRecord | None = None
 
     @cached_property
@@ -101,45 +108,90 @@ def fly_for_figures(
     return _by_components(plan, values, kept)
 
 
-class _WatchedFlight(SwiftFlight):
-    """A swift flight that also notes velocities, rates, actuators and fan."""
+def fly_excited(plan: Plan, controller: str, seed: int, values: NodeValues = DEFAULTS) -> FlownFlight:
+    """Fly a plan whose excitations act on the servos' commands, with nobody who would end them early.
 
-    def __init__(self, plan: Plan, values: NodeValues) -> None:
+    Args:
+        plan: what to fly; its own seed and first controller do not count.
+        controller: shipped controller or path, in place of the plan's first.
+        seed: of every random number of the bench.
+        values: parameters of the nodes.
+
+    Raises:
+        InputError: no such controller, or an excitation of something else.
+        ValueError: the plan has faults or several controllers.
+    """
+    tables: dict[int, Array] = {}
+    phases: list[Phase] = []
+    for number, phase in enumerate(plan.phases, 1):
+        if not isinstance(phase, Excite):
+            phases.append(phase)
+            continue
+        if not set(phase.excitation.channels) <= set(COMMAND_CHANNELS):
+            raise InputError(
+                f"excites {', '.join(phase.excitation.channels)}",
+                allowed=", ".join(COMMAND_CHANNELS),
+                key="channels",
+            )
+        tables[number] = samples(phase.excitation)[:, :_COMMANDS]
+        phases.append(Hover(duration=phase.duration, wind=phase.wind, wind_to=phase.wind_to))
+    quiet = replace(plan, seed=seed, controller=controller, phases=tuple(phases))
+    return _swift(quiet, values, tables)
+
+
+class _WatchedFlight(SwiftFlight):
+    """A swift flight that also notes velocities, rates, actuators and fan, and may be excited.
+
+    Args:
+        plan: to be flown.
+        values: parameters of the nodes.
+        tables: what is added to the commands in phases of the plan, by number from 1, shape (k, 4) [rad].
+    """
+
+    def __init__(self, plan: Plan, values: NodeValues, tables: Mapping[int, Array]) -> None:
         super().__init__(plan, plan.seed, load_controller(plan.controller), values)
+        if tables:
+            self.bench = bench_simulator(plan.seed, values, plan, True)
+        self._tables, self._begun = tables, dict.fromkeys(tables, 0)
         self.noted: list[tuple[float, ...]] = []
 
     def _control_tick(self, log: FlightLog, tick: int) -> None:
         super()._control_tick(log, tick)
-        bench = self.bench.bench
-        self.noted.append((*bench.velocity, *bench.rates, *self.shafts(), bench.fan_speed))
+        row, bench = self._excite(), self.bench.bench
+        shafts = bench.actuator_state().angles
+        self.noted.append((*bench.velocity, *bench.rates, *shafts, bench.fan_speed, *row))
 
-    def shafts(self) -> tuple[float, ...]:
-        """Blade angles B_1s, A_1s, theta_0, theta_t as they are [rad]."""
-        return tuple(self.bench.bench.actuator_state().angles)
+    def _excite(self) -> tuple[float, ...]:
+        """Send what is added at this tick."""
+        phase, row = self.leader.phase, _NOTHING
+        table = self._tables.get(phase)
+        if table is not None and self._begun[phase] < len(table) and not self.leader.state.ended:
+            row = tuple(table[self._begun[phase]].tolist())
+            self._begun[phase] += 1
+        if self._tables:
+            stamp_ns = self.bench.stamp_ns
+            self.bench.receive("excitation", stamp_ns, (*row, *_NOTHING, *_NOTHING))
+            self.bench.receive("motor_excitation", stamp_ns, (0.0, 0.0, 0.0))
+        return row
 
 
-def _swift(plan: Plan, values: NodeValues) -> FlownFlight:
-    flight = _WatchedFlight(plan, values)
+def _swift(plan: Plan, values: NodeValues, tables: Mapping[int, Array] = MappingProxyType({})) -> FlownFlight:
+    flight = _WatchedFlight(plan, values, tables)
     log = flight.fly()
     count = len(flight.noted)
     stamps = np.arange(count, dtype=np.int64) * CONTROL_PERIOD_NS
-    noted = np.array(flight.noted, dtype=np.float64).reshape(count, 6 + _COMMANDS + 1)
-    truth = Motion(
-        stamps,
-        log.truth[:count, :3],
-        log.truth[:count, 3:],
-        noted[:, :3],
-        noted[:, 3:6],
-        np.ones(count, dtype=np.bool_),
-    )
+    noted = np.array(flight.noted, dtype=np.float64).reshape(count, 6 + 2 * _COMMANDS + 1)
+    velocity, rates, shafts, fan, added = np.split(noted, (3, 6, 6 + _COMMANDS, 7 + _COMMANDS), axis=1)
+    pose = log.truth[:count]
     return FlownFlight(
-        truth=truth,
+        truth=Motion(stamps, pose[:, :3], pose[:, 3:], velocity, rates, np.ones(count, dtype=np.bool_)),
         reference=(stamps, log.reference[:count]),
         command=log.command[:count, :_COMMANDS],
-        actuators=noted[:, 6:-1],
-        fan=noted[:, -1],
+        actuators=shafts,
+        fan=fan[:, 0],
         state=log.state[:count],
         reason=log.reason,
+        excitation=added,
     )
 
 
@@ -191,8 +243,15 @@ def _of_record(record: FlightRecord, reason: str) -> FlownFlight:
         fan=series[2].column("position.fan")[:count],
         state=state.column("position.flight_state")[:count].round().astype(np.int64),
         reason=reason,
+        excitation=_excitation(record, count),
         record=record,
     )
+
+
+def _excitation(record: FlightRecord, count: int) -> Array:
+    series = record.series["excitation"]
+    added = series.columns(tuple(f"position.{name}" for name in SERVO_CHANNELS))[:count]
+    return np.vstack((added, np.zeros((count - len(added), _COMMANDS))))
 
 
 def messages_of(flight: FlownFlight) -> FlightRecord:
