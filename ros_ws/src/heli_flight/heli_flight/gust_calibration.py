@@ -3,8 +3,8 @@
 Four strengths and four figures, each figure growing with its own strength, in the plane faster than in
 proportion, for dry friction keeps small gusts from moving anything. Every round flies the same seeds and
 multiplies each strength by a power of what its figure lacks. The seeds stay, so the rounds differ by the
-strengths alone. A round in which the supervisor stopped a flight went too far: half of its step is taken back.
-A touch of the upper or lower stop is no loss here: the flight goes on, and is part of the figure.
+strengths alone. A round in which the supervisor stopped a flight went too far: half of its step is taken
+back. A touch of the upper or lower stop is no loss here: the flight goes on, and is part of the figure.
 """
 
 from __future__ import annotations

@@ -76,8 +76,8 @@ def fly_noise(
 ) -> FlownFlight:
     """Fly noise of a standard deviation [rad] until the plan or the supervisor ends it.
 
-    The seed is that of bench and noise. On the graph the identification's guard would end the noise earlier, but
-    for ros_ws/config/wide_guard.yaml.
+    The seed is that of bench and noise. On the graph the identification's guard would end the noise earlier,
+    unless told not to by ros_ws/config/wide_guard.yaml.
     """
     return fly_excited(with_noise(plan, sigma, seed), controller, seed, values)
 

@@ -31,7 +31,7 @@ HOVER: dict[str, Four] = {
     "ncf": _hover(0.96, 1.41, 7.89, 3.97),
     "ncf2": _hover(2.10, 2.15, 7.63, 8.50),
 }
-"""Table 5.2: standard deviations x, y, z [m] and psi [rad] of one hover of unknown length for each controller."""
+"""Table 5.2: standard deviations x, y, z [m] and psi [rad] of one hover each, of unknown length."""
 
 LQ_HOVER = HOVER["lq"]
 

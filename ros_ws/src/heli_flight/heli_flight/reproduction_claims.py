@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from math import degrees
 from statistics import fmean
 
 from heli_flight.published_flights import (
-    CONTROLLERS,
     DEAD_TIME,
     FARTHEST,
     HOVER,
@@ -17,7 +15,7 @@ from heli_flight.published_flights import (
     TITLES,
     WIND,
 )
-from heli_flight.reproduction_reasons import REASONS
+from heli_flight.reproduction_comparison import Compared, close, judged
 from heli_flight.reproduction_results import (
     AXES,
     FACTORS,
@@ -29,36 +27,11 @@ from heli_flight.reproduction_results import (
     of,
     plateau_figures,
     shown,
-    step_figures,
 )
 from heli_flight.reproduction_statistics import interval, paired_ratio
-
-TOLERANCE = 0.30
-"""Relative difference to print that counts as reproduced (spec 5)."""
+from heli_flight.reproduction_step_claims import step_claims
 
 DEG = degrees(1.0)
-
-
-@dataclass(frozen=True)
-class Compared:
-    """One printed figure or claim.
-
-    Attributes:
-        experiment: F1 .. F8. what: in words.
-        published: as printed.
-        ours: as flown, mean and interval.
-        ratio: ours over published; None where that says nothing.
-        holds: whether it is reproduced; None if nothing was flown that decides it.
-        why: why not, empty if it is.
-    """
-
-    experiment: str
-    what: str
-    published: str
-    ours: str
-    ratio: float | None
-    holds: bool | None
-    why: str = ""
 
 
 def compared(outcomes: Outcomes) -> list[Compared]:
@@ -66,31 +39,13 @@ def compared(outcomes: Outcomes) -> list[Compared]:
     parts: Iterable[Sequence[Compared]] = (
         _hover(outcomes),
         _farthest(outcomes),
-        _steps(outcomes),
+        step_claims(outcomes),
         _wind(outcomes),
         _noise(outcomes),
         _operating_point(outcomes),
         _wireless(outcomes),
     )
     return [entry for part in parts for entry in part]
-
-
-def _judged(
-    experiment: str,
-    key: str,
-    what: str,
-    published: str,
-    ours: str,
-    holds: bool | None,
-    ratio: float | None = None,
-) -> Compared:
-    why = "" if holds else REASONS.get(f"{experiment} {key}", "")
-    return Compared(experiment, what, published, ours, ratio, holds, why)
-
-
-def close(ratio: float) -> bool:
-    """Whether ours over published counts as reproduced."""
-    return abs(ratio - 1.0) <= TOLERANCE
 
 
 def _hover(outcomes: Outcomes) -> list[Compared]:
@@ -110,7 +65,7 @@ def _hover(outcomes: Outcomes) -> list[Compared]:
             if controller == "lq":
                 ratio = scaled.mean / printed
                 rows.append(
-                    _judged(
+                    judged(
                         "F2",
                         f"lq {axis}",
                         f"{title} (calibrated)",
@@ -127,7 +82,7 @@ def _hover(outcomes: Outcomes) -> list[Compared]:
             wanted = HOVER[controller][place] / HOVER["lq"][place]
             ratio = to_lq.mean / wanted
             rows.append(
-                _judged(
+                judged(
                     "F2",
                     f"{controller} {axis}",
                     f"{title}, over that of LQ",
@@ -149,7 +104,7 @@ def _farthest(outcomes: Outcomes) -> list[Compared]:
             ratio = found.mean / printed
             words = ("about " if controller == "lq" else "less than ") + f"{100.0 * printed:.1f} cm"
             rows.append(
-                _judged(
+                judged(
                     "F2",
                     f"{controller} farthest",
                     f"{TITLES[controller]}: farthest in the xy plane",
@@ -159,139 +114,6 @@ def _farthest(outcomes: Outcomes) -> list[Compared]:
                     ratio,
                 )
             )
-    return rows
-
-
-def _steps(outcomes: Outcomes) -> list[Compared]:
-    """What sec. 3.5 says of Figures 3.27 to 3.38, as comparisons of numbers."""
-
-    def mean(controller: str, axis: str, name: str) -> float | None:
-        values = step_figures(outcomes, controller, axis, name)
-        return fmean(values) if values else None
-
-    rows: list[Compared] = []
-
-    def less(
-        key: str,
-        what: str,
-        printed: str,
-        pairs: Sequence[tuple[str, str]],
-        axis: str,
-        name: str,
-        factor: float,
-        unit: str,
-    ) -> None:
-        """Whether the first of each pair has the smaller figure."""
-        values = {one: mean(one, axis, name) for pair in pairs for one in pair}
-        if any(value is None for value in values.values()):
-            return
-        known = {one: factor * value for one, value in values.items() if value is not None}
-        words = ", ".join(f"{TITLES[one]} {value:.2f}" for one, value in known.items()) + f" {unit}"
-        rows.append(_judged("F1", key, what, printed, words, all(known[a] < known[b] for a, b in pairs)))
-
-    less(
-        "lq fast",
-        "rise time of 0.30 m ahead",
-        "LQ always fast: before GS/T and loop shaping",
-        [("lq", "gst"), ("lq", "ncf")],
-        "x",
-        "rise_time_s",
-        1.0,
-        "s",
-    )
-    less(
-        "lq oscillates",
-        "pitch after 2.5 s, sigma",
-        "LQ goes on oscillating, GS/T and loop shaping do not",
-        [("gst", "lq"), ("ncf", "lq")],
-        "x",
-        "late_theta_rad",
-        DEG,
-        "deg",
-    )
-    less(
-        "gst overshoots",
-        "overshoot ahead",
-        "GS/T 1DOF more than LQ",
-        [("lq", "gst")],
-        "x",
-        "overshoot_percent",
-        1.0,
-        "%",
-    )
-    less(
-        "gst slower",
-        "rise time ahead",
-        "GS/T 1DOF slower than LQ",
-        [("lq", "gst")],
-        "x",
-        "rise_time_s",
-        1.0,
-        "s",
-    )
-    side = mean("ncf2", "y", "overshoot_percent")
-    if side is not None:
-        rows.append(
-            _judged(
-                "F1",
-                "ncf2 side",
-                "loop shaping 2DOF: overshoot to the right",
-                "none (Figure 3.36)",
-                f"{side:.1f} %",
-                side < 5.0,
-            )
-        )
-    less(
-        "gst2 smoother",
-        "pitch rate of the step, rms",
-        "2DOF smoother than 1DOF: GS/T",
-        [("gst2", "gst")],
-        "x",
-        "rms_q_rad_s",
-        DEG,
-        "deg/s",
-    )
-    less(
-        "ncf2 smoother",
-        "pitch rate of the step, rms",
-        "2DOF smoother than 1DOF: loop shaping",
-        [("ncf2", "ncf")],
-        "x",
-        "rms_q_rad_s",
-        DEG,
-        "deg/s",
-    )
-    others = [name for name in CONTROLLERS if name != "ncf2"]
-    less(
-        "ncf2 fastest",
-        "rise time ahead",
-        "loop shaping 2DOF faster than all others (Figure 3.35)",
-        [("ncf2", one) for one in others],
-        "x",
-        "rise_time_s",
-        1.0,
-        "s",
-    )
-    less(
-        "ncf2 slower",
-        "rise time ahead",
-        "loop shaping 2DOF slower than 1DOF (Figure 3.37)",
-        [("ncf", "ncf2")],
-        "x",
-        "rise_time_s",
-        1.0,
-        "s",
-    )
-    less(
-        "ncf2 overshoot",
-        "overshoot ahead",
-        "loop shaping 2DOF less than 1DOF (sec. 3.5.3)",
-        [("ncf2", "ncf")],
-        "x",
-        "overshoot_percent",
-        1.0,
-        "%",
-    )
     return rows
 
 
@@ -308,7 +130,7 @@ def _wind(outcomes: Outcomes) -> list[Compared]:
             (step for step, flown in enumerate(survived, 1) if len(flown) == len(flights)), default=0
         )
         rows.append(
-            _judged(
+            judged(
                 "F3",
                 f"{controller} speed",
                 f"{title}: wind from the front that is flown in",
@@ -323,7 +145,7 @@ def _wind(outcomes: Outcomes) -> list[Compared]:
             if pitch is not None and still is not None:
                 change = pitch.scaled(DEG).mean - still.scaled(DEG).mean
                 rows.append(
-                    _judged(
+                    judged(
                         "F3",
                         f"{controller} pitch",
                         f"{title}: change of pitch in {speed:g} m/s",
@@ -338,7 +160,7 @@ def _wind(outcomes: Outcomes) -> list[Compared]:
         known = {name: 100.0 * abs(fmean(values)) for name, values in offsets.items()}
         words = ", ".join(f"{TITLES[name]} {value:.2f}" for name, value in known.items()) + " cm"
         rows.append(
-            _judged(
+            judged(
                 "F3",
                 "offset",
                 "offset ahead in 4 m/s",
@@ -377,7 +199,7 @@ def _noise(outcomes: Outcomes) -> list[Compared]:
                 continue
             holds = found.mean >= wanted if lost_at is None else close(found.mean / wanted)
             rows.append(
-                _judged(
+                judged(
                     experiment,
                     controller,
                     f"{TITLES[controller]}: noise on B_1s {kind}, where it is lost",
@@ -412,7 +234,7 @@ def _operating_point(outcomes: Outcomes) -> list[Compared]:
         if found is not None:
             ratio = found.mean / printed
             rows.append(
-                _judged(
+                judged(
                     "F6",
                     name,
                     f"operating point: {name}",
@@ -433,7 +255,7 @@ def _wireless(outcomes: Outcomes) -> list[Compared]:
         when = interval([float(one.figures["after"]) for one in reasons])
         ours = f"lost {len(reasons)} of {len(flights)}" + (f", after {shown(when, 1, 's')}" if when else "")
         rows.append(
-            _judged(
+            judged(
                 "F8",
                 controller,
                 f"{TITLES.get(controller, controller)}: dead time of {DEAD_TIME:g} s",

@@ -201,7 +201,7 @@ def _wind_overview(outcomes: Outcomes) -> Graph | None:
             plots.append(Plot(title, "wind [m/s]", unit, tuple(curves)))
     if not plots:
         return None
-    words = "Means over the last 9 s of every step of the wind, of the flights that got there; bands: 95 %."
+    words = "Means over the last 8.5 s of every step of the wind, of the flights that got there; bands: 95 %."
     return Graph("wind", "Pitch and position against the wind", words, (tuple(plots),), 300)
 
 
@@ -240,7 +240,7 @@ def noise_graphs(outcomes: Outcomes) -> list[Graph]:
 
 
 def linear_graphs(outcomes: Outcomes) -> list[Graph]:
-    """App. E: the steps of position and of the velocity reference on the linear and on the nonlinear model."""
+    """App. E: steps of position and of the velocity reference, on the linear and on the nonlinear model."""
     graphs = []
     for experiment, title in (("F1", "steps of 0.30 m"), ("F7", "steps of the velocity reference")):
         for name in flown_controllers(outcomes, experiment):

@@ -1,4 +1,4 @@
-"""What is flown for the reproduction and what is kept of each flight (spec 5): figures of merit and curves."""
+"""What is flown for the reproduction and what is kept of each flight: figures of merit, curves (spec 5)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Why a printed figure is not reproduced: what is known, in words, by experiment and key of the comparison."""
+"""Why a printed figure is not reproduced, as far as it is known: by experiment and key of the comparison."""
 
 from __future__ import annotations
 

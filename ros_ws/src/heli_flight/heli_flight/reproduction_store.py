@@ -89,7 +89,8 @@ def save(path: Path, outcome: Outcome, key: str) -> None:
     meta = json.dumps({"hash": key, "lost": outcome.lost, "figures": outcome.figures})
     stream = io.BytesIO()
     arrays: dict[str, Any] = {name: curve.astype(np.float32) for name, curve in outcome.curves.items()}
-    np.savez_compressed(stream, **arrays, **{_META: np.array(meta)})
+    arrays[_META] = np.array(meta)
+    np.savez_compressed(stream, **arrays)
     write_atomically(path, stream.getvalue())
 
 

@@ -1,27 +1,22 @@
-"""Tables of the reproduction: Table 5.2, steps, wind, noise, identification flights, link, and the comparison."""
+"""Tables of the reproduction: the comparison, steps, wind, noise, identification, link."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import degrees
 
 from heli_flight.design_tables import BAD, GOOD, NOTHING, SOFT, TEXT, Cell, Table, number
-from heli_flight.published_flights import HOVER, NOISE_DEG, TITLES
-from heli_flight.reproduction_claims import Compared, close
+from heli_flight.published_flights import NOISE_DEG, TITLES
+from heli_flight.reproduction_comparison import Compared
 from heli_flight.reproduction_results import (
-    AXES,
-    FACTORS,
-    SIGMAS,
-    UNITS,
     Outcomes,
     flown_controllers,
-    hover_figure,
     of,
     plateau_figures,
     shown,
     step_figures,
 )
-from heli_flight.reproduction_statistics import interval, order, paired_ratio, rank_correlation
+from heli_flight.reproduction_statistics import interval
 
 DEG = degrees(1.0)
 
@@ -47,104 +42,6 @@ def comparison_table(rows: Sequence[Compared]) -> Table:
     return Table("Published beside ours", note, header, cells)
 
 
-def hover_table(outcomes: Outcomes) -> Table:
-    """Table 5.2 with intervals, and ratios to LQ beside the source's."""
-    cells = []
-    for controller in flown_controllers(outcomes, "F2"):
-        flights = of(outcomes, "F2", controller)
-        lost = sum(bool(one.lost) for one in flights.values())
-        for place, axis in enumerate(AXES):
-            ours, factor = hover_figure(outcomes, controller, SIGMAS[place]), FACTORS[place]
-            found = interval(list(ours.values()))
-            if found is None:
-                continue
-            printed = HOVER.get(controller, (None,) * 4)[place]
-            to_lq = paired_ratio(ours, hover_figure(outcomes, "lq", SIGMAS[place]))
-            wanted = None if printed is None else printed / HOVER["lq"][place]
-            spread = sorted(factor * value for value in ours.values())
-            ratio = None if printed is None else found.mean / printed
-            judged = (
-                ratio
-                if controller == "lq"
-                else None
-                if to_lq is None or wanted is None
-                else to_lq.mean / wanted
-            )
-            mark = "" if judged is None else GOOD if close(judged) else BAD
-            cells.append(
-                (
-                    Cell(TITLES.get(controller, controller), TEXT),
-                    Cell(f"{axis} [{UNITS[place]}]", TEXT),
-                    Cell(number(None if printed is None else factor * printed)),
-                    Cell(shown(found.scaled(factor))),
-                    Cell(f"{spread[0]:.2f} … {spread[-1]:.2f}", SOFT),
-                    Cell(number(ratio)),
-                    Cell(number(wanted)),
-                    Cell(shown(to_lq), mark),
-                    Cell(f"{lost} of {len(flights)}", BAD if lost else SOFT),
-                )
-            )
-    note = (
-        "Sigma of the true pose over a hover of 63 s. Ratios to LQ: geometric means over the same seeds. "
-        "The gusts were calibrated on the LQ row alone; marks: LQ by its size, the others by their ratio to LQ."
-    )
-    header = (
-        "controller", "axis", "published", "ours [95 %]", "least … largest seed", "ours / published",
-        "published / LQ", "ours / LQ [95 %]", "lost",
-    )  # fmt: skip
-    return Table("Table 5.2: deviation in hover", note, header, tuple(cells))
-
-
-def order_table(outcomes: Outcomes) -> Table:
-    """Order of the controllers along each axis, the source's and ours."""
-    cells = []
-    for place, axis in enumerate(AXES):
-        found = {
-            name: mean.mean
-            for name in flown_controllers(outcomes, "F2")
-            if (mean := interval(list(hover_figure(outcomes, name, SIGMAS[place]).values()))) is not None
-        }
-        printed = {name: row[place] for name, row in HOVER.items() if name in found}
-        tau = rank_correlation(found, printed)
-        cells.append(
-            (
-                Cell(axis),
-                Cell(" < ".join(order(printed)), TEXT),
-                Cell(" < ".join(order(found)), TEXT),
-                Cell(number(tau)),
-            )
-        )
-    note = "Smallest deviation first. Kendall's tau: 1 the same order, 0 unrelated, −1 reversed."
-    return Table("Order of the controllers", note, ("axis", "published", "ours", "tau"), tuple(cells))
-
-
-def farthest_table(outcomes: Outcomes) -> Table:
-    """Largest deviation in the plane and attitude in hover."""
-    columns = (
-        ("max_xy_m", 100.0, 2), ("max_z_m", 100.0, 2), ("sigma_theta_rad", DEG, 3), ("sigma_phi_rad", DEG, 3),
-    )  # fmt: skip
-    cells = tuple(
-        (
-            Cell(TITLES.get(name, name), TEXT),
-            *(
-                Cell(shown(None if found is None else found.scaled(factor), digits))
-                for figure, factor, digits in columns
-                for found in (interval(list(hover_figure(outcomes, name, figure).values())),)
-            ),
-        )
-        for name in flown_controllers(outcomes, "F2")
-    )
-    note = "The source: GS/T less than 4 cm in the xy plane, loop shaping 1.5 cm."
-    header = (
-        "controller",
-        "farthest in xy [cm]",
-        "farthest in z [cm]",
-        "sigma pitch [deg]",
-        "sigma roll [deg]",
-    )
-    return Table("Largest deviations and attitude in hover", note, header, cells)
-
-
 def step_table(outcomes: Outcomes) -> Table:
     """F1: figures of merit of the steps, both directions of an axis together."""
     cells = []
@@ -152,8 +49,8 @@ def step_table(outcomes: Outcomes) -> Table:
         for axis, angle, rate, cross in (("x", "theta", "q", "y"), ("y", "phi", "p", "x")):
             figures = (
                 ("rise_time_s", 1.0, 2), ("overshoot_percent", 1.0, 1), ("settling_time_s", 1.0, 2),
-                (f"cross_{cross}_max_m", 100.0, 2), (f"{angle}_range_rad", DEG, 2), (f"late_{angle}_rad", DEG, 3),
-                (f"rms_{rate}_rad_s", DEG, 2), ("final_error_m", 100.0, 2),
+                (f"cross_{cross}_max_m", 100.0, 2), (f"{angle}_range_rad", DEG, 2),
+                (f"late_{angle}_rad", DEG, 3), (f"rms_{rate}_rad_s", DEG, 2), ("final_error_m", 100.0, 2),
             )  # fmt: skip
             means = [interval(step_figures(outcomes, name, axis, figure)) for figure, _, _ in figures]
             cells.append(
@@ -166,7 +63,7 @@ def step_table(outcomes: Outcomes) -> Table:
                     ),
                 )
             )
-    note = "Means over both directions and all seeds. The source prints figures only; what it says of them is above."
+    note = "Means over both directions and all seeds. What the source says of its curves is above."
     header = (
         "controller", "axis", "rise [s]", "overshoot [%]", "settling to 2 cm [s]", "cross-axis [cm]",
         "angle, range [deg]", "angle after 2.5 s, sigma [deg]", "rate, rms [deg/s]", "end error [cm]",
@@ -193,16 +90,15 @@ def wind_table(outcomes: Outcomes) -> Table:
                     Cell(f"{through} of {len(flights)}", "" if through == len(flights) else BAD),
                     mean("mean_theta", DEG, 2),
                     mean("mean_x", 100.0, 2),
-                    mean("mean_u_ref", 1.0, 3),
                     mean("sigma_x", 100.0, 2),
                     mean("sigma_theta", DEG, 2),
                     mean("sigma_q", DEG, 1),
                 )
             )
-    note = "Means over the last 9 s of each step of the wind, gusts of the room included."
+    note = "Means over the last 8.5 s of each step of the wind, gusts of the room included."
     header = (
         "controller", "wind [m/s]", "flown through", "pitch [deg]", "position ahead [cm]",
-        "velocity reference [m/s]", "sigma x [cm]", "sigma pitch [deg]", "sigma pitch rate [deg/s]",
+        "sigma x [cm]", "sigma pitch [deg]", "sigma pitch rate [deg/s]",
     )  # fmt: skip
     return Table("Wind from the front", note, header, tuple(cells))
 
@@ -233,7 +129,7 @@ def noise_table(outcomes: Outcomes) -> Table:
         cells.append(
             (Cell(TITLES.get(name, name), TEXT), Cell(printed, TEXT), *level("F4", name), *level("F4b", name))
         )
-    note = "Sigma of the noise on B_1s over 5 s [deg] at which the flight is lost, by bisection, one draw a seed."
+    note = "Sigma of 5 s of noise on B_1s [deg] at which the flight is lost, by bisection, one draw a seed."
     header = ("controller", "published", "held at 100 Hz [95 %]", "lost by", "up to 5 Hz [95 %]", "lost by")
     return Table("Noise on the longitudinal cyclic", note, header, tuple(cells))
 
@@ -261,7 +157,10 @@ def identification_table(outcomes: Outcomes) -> Table:
                     Cell(outcome.lost or figures.get("remark", ""), "reason"),
                 )
             )
-    note = "Identified from the cyclic's PRBS, fit on the second one. The source: X_u −1.07, Y_v −1.19. More: docs/identification.md."
+    note = (
+        "Identified from the cyclic's PRBS, fit on its second draw. The source: X_u −1.07, Y_v −1.19. "
+        "More in docs/identification.md."
+    )
     header = ("flown with", "excitations", "fit u [%]", "v", "q", "p", "X_u [1/s]", "Y_v [1/s]", "remarks")
     return Table("Identification flights", note, header, tuple(cells))
 
@@ -269,18 +168,16 @@ def identification_table(outcomes: Outcomes) -> Table:
 def apart_table(outcomes: Outcomes) -> Table:
     """F7: nonlinear minus linear."""
     columns: tuple[tuple[str, float, int], ...] = (
-        ("x", 100.0, 2), ("y", 100.0, 2), ("u", 100.0, 2), ("v", 100.0, 2), ("theta", DEG, 3), ("phi", DEG, 3),
+        ("x", 100.0, 2), ("y", 100.0, 2), ("u", 100.0, 2), ("v", 100.0, 2),
+        ("theta", DEG, 3), ("phi", DEG, 3),
     )  # fmt: skip
     cells = []
     for name in flown_controllers(outcomes, "F7"):
         found = [one.figures["apart"] for one in of(outcomes, "F7", name).values() if "apart" in one.figures]
-        means: Callable[[str], float | None] = lambda key, found=found: (  # noqa: E731
-            sum(one[key] for one in found) / len(found) if found else None
-        )
         shown_cells = []
         for key, factor, digits in columns:
-            mean = means(key)
-            shown_cells.append(Cell(number(None if mean is None else factor * mean, digits)))
+            mean = interval([one[key] for one in found])
+            shown_cells.append(Cell(NOTHING if mean is None else number(factor * mean.mean, digits)))
         cells.append((Cell(TITLES.get(name, name), TEXT), *shown_cells))
     header = ("controller", "x [cm]", "y [cm]", "u [cm/s]", "v [cm/s]", "pitch [deg]", "roll [deg]")
     note = "Root mean square over the steps of the velocity reference, in flight minus linear plant."

@@ -1,8 +1,8 @@
 """A flight in this process that leaves no bag: what calibration and reproduction need of it, in memory.
 
 `fly_for_figures` is the one place where they fly: without messages where the plan allows it (`swift_flight`),
-else by the components of `in_process`. `fly_excited` adds the excitations of a plan to the commands of a swift
-flight, without the identification and its guard. All give the same numbers (`test_unrecorded_flight.py`).
+else by the components of `in_process`. `fly_excited` adds the excitations of a plan to the commands of a
+swift flight, without the identification and its guard. All give the same numbers (a test compares them).
 """
 
 from __future__ import annotations

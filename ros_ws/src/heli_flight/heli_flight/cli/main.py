@@ -24,6 +24,7 @@ from heli_flight.cli import (
     parameters,
     predict,
     replay,
+    reproduce,
     report,
 )
 
@@ -48,6 +49,7 @@ def parser() -> argparse.ArgumentParser:
         report,
         bag,
         replay,
+        reproduce,
         parameters,
     )
     for part in parts:
