@@ -19,6 +19,7 @@ from heli_flight import reproduction_tables as tables
 from heli_flight.design_tables import Table
 from heli_flight.graph_pictures import plotly_graph
 from heli_flight.graphs import Graph
+from heli_flight.gust_stiffness import stiffness_table
 from heli_flight.report import page_environment
 from heli_flight.reproduction_claims import compared
 from heli_flight.reproduction_comparison import Compared
@@ -43,7 +44,7 @@ _SECTIONS = (
     _Section(
         "F2",
         "F2 hover",
-        (hovers.hover_table, hovers.order_table, hovers.farthest_table),
+        (hovers.hover_table, hovers.order_table, stiffness_table, hovers.farthest_table),
         figures.hover_graphs,
     ),
     _Section("F1", "F1 steps", (tables.step_table,), figures.step_graphs),

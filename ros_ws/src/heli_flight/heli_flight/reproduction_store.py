@@ -97,7 +97,7 @@ def save(path: Path, outcome: Outcome, key: str) -> None:
 def load(path: Path, key: str) -> Outcome | None:
     """Read an outcome; None if there is none of this hash, or the file is damaged."""
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as stored:
             meta = json.loads(str(stored[_META]))
             if meta["hash"] != key:
                 return None
