@@ -16,8 +16,8 @@ from heli_flight.unrecorded_flight import FlownFlight, fly_excited, lost
 from heli_identification.excitation import CHANNELS, Excitation, samples
 
 CHANNEL = "B_1s"
-HIGHEST = radians(3.0)
-"""Where the search begins [rad]; the swash plate reaches +-6.3 deg of cyclic in hover."""
+HIGHEST = radians(10.0)
+"""Where the search begins [rad]; the swash plate itself reaches +-6.3 deg of cyclic in hover."""
 RESOLUTION = radians(0.1)
 
 

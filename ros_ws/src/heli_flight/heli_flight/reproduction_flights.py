@@ -26,7 +26,7 @@ from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Plan, load_plan
 from heli_flight.plan_phases import STRONGEST_WIND
 from heli_flight.published_flights import DEAD_TIME
-from heli_flight.unrecorded_flight import KEPT, FlownFlight, fly_for_figures, lost, messages_of
+from heli_flight.unrecorded_flight import KEPT, FlownFlight, fly_for_figures, lost, messages_of, stopped
 
 PLANS = {
     "F1": "hover_steps",
@@ -138,8 +138,8 @@ def _hover(job: Job, plan: Plan, values: NodeValues) -> Outcome:
     """A touch of a stop is told, and is no loss: the flight goes on."""
     flight = fly_for_figures(plan, job.controller, job.seed, values)
     legs = [leg for leg in reference_legs(flight) if leg.jump is None]
-    if flight.reason or not legs:
-        return Outcome(flight.reason or "no hover", {})
+    if (reason := stopped(flight)) or not legs:
+        return Outcome(reason or "no hover", {})
     leg = max(legs, key=lambda one: one.duration)
     start_ns = hover_start(leg)
     found: dict[str, Any] = {**hover_metrics(flight, leg), "touched": lost(flight)}

@@ -28,7 +28,7 @@ class Extent:
 
 
 _ONE = dict.fromkeys(PLANS, 1)
-COMPLETE = Extent(_ONE | {"F1": 3, "F2": 20, "F3": 5, "F4": 5, "F4b": 5, "F7": 1, "F8": 3}, 0.1)
+COMPLETE = Extent(_ONE | {"F1": 3, "F2": 20, "F3": 3, "F4": 3, "F4b": 3}, 0.1)
 QUICK = Extent(_ONE | {"F2": 3}, 0.25, ("lq",))
 
 _LONGEST_FIRST = ("F5", "F4", "F4b", "F3", "F2", "F8", "F7", "F1", "F4n")

@@ -265,14 +265,23 @@ def messages_of(flight: FlownFlight) -> FlightRecord:
     return flight.record
 
 
-def lost(flight: FlownFlight) -> str:
-    """Why the helicopter counts as lost: stopped by the supervisor, or in touch with a stop; else empty.
+def stopped(flight: FlownFlight) -> str:
+    """Why the supervisor stopped the flight before it began to land; else empty.
 
     Args:
         flight: flown.
     """
-    if flight.reason:
-        return flight.reason
+    return "" if np.any(flight.state == FlightState.LANDING) else flight.reason
+
+
+def lost(flight: FlownFlight) -> str:
+    """Why the helicopter counts as lost: stopped in the air, or in touch with a stop; else empty.
+
+    Args:
+        flight: flown.
+    """
+    if reason := stopped(flight):
+        return reason
     rig, truth = RigGeometry(), flight.truth
     # the take-off begins on the lower stop
     flying = (flight.state == FlightState.FLYING) & (flight.reference[1][:, 2] < 0.5 * rig.rest_depth)

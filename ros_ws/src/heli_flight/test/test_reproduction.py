@@ -2,13 +2,17 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from heli_control.controller_file import load_controller
+from heli_common.linear_model import StateSpace
+from heli_control.controller_file import ControllerAxis, load_controller
+from heli_flight import reproduction_figures as figures
 from heli_flight.cli.main import main
+from heli_flight.gust_stiffness import stiffness
 from heli_flight.linear_flight import fly_linear
 from heli_flight.published_flights import CONTROLLERS, HOVER
 from heli_flight.reproduction_claims import compared
@@ -48,7 +52,8 @@ def hovers(scale: dict[str, float]) -> dict[Job, Outcome]:
 
 def step(axis: str, rise: float) -> dict[str, object]:
     return {
-        "axis": axis, "rise_time_s": rise, "overshoot_percent": 3.0, "settling_time_s": None, "final_error_m": 0.0,
+        "axis": axis, "rise_time_s": rise, "overshoot_percent": 3.0, "settling_time_s": None,
+        "final_error_m": 0.0,
         "cross_x_max_m": 0.01, "cross_y_max_m": 0.01, "theta_range_rad": 0.1, "phi_range_rad": 0.1,
         "late_theta_rad": 0.001, "late_phi_rad": 0.001, "rms_q_rad_s": 0.1, "rms_p_rad_s": 0.1,
     }  # fmt: skip
@@ -126,21 +131,32 @@ def test_verdicts_by_hand() -> None:
     )
 
 
-def test_page_and_numbers_from_made_up_outcomes(tmp_path: Path) -> None:
+def test_every_figure_of_the_source_is_drawn() -> None:
     found = everything()
+    graphs = [
+        *figures.step_graphs(found), *figures.hover_graphs(found), *figures.wind_graphs(found),
+        *figures.noise_graphs(found), *figures.linear_graphs(found),
+    ]  # fmt: skip
+    titles = " ".join(graph.title for graph in graphs)
+    printed = [f"3.{number}" for number in range(27, 39)] + [f"5.{number}" for number in range(5, 15)]
+    assert all(f"Figure {figure}:" in titles for figure in printed)
+    assert len({graph.key for graph in graphs}) == len(graphs)
+    assert len(figures.linear_graphs(found)) == 2 * len(CONTROLLERS)
+
+
+def test_page_and_numbers_from_made_up_outcomes(tmp_path: Path) -> None:
+    # curves of two jobs are enough for the page: each graph takes plotly a while
+    drawn = {("F1", "lq"), ("F1", "gst"), ("F4n", "lq")}
+    found = {
+        job: one if (job.experiment, job.controller) in drawn else Outcome(one.lost, one.figures)
+        for job, one in everything().items()
+        if (job.experiment, job.controller) != ("F7", "lq")
+    }
     written = write_reproduction(found, tmp_path, {"command": "none"})
     page = written.page.read_text()
-    for word in (
-        "Figure 3.27",
-        "Figure 3.38",
-        "Figure 5.5",
-        "Figure 5.11",
-        "Figure 5.14",
-        "Table 5.2",
-        "Wireless",
-    ):
+    for word in ("Figure 3.27", "Figure 5.13", "Table 5.2", "Wind from the front", "Wireless", "none</dd>"):
         assert word in page, word
-    assert "http" not in page.split("<script>")[0].replace("http-equiv", "")
+    assert "src=" not in page.split("<script>")[0] and '<link rel="stylesheet' not in page
     numbers = json.loads(written.numbers.read_text())
     assert len(numbers["flights"]) == len(found)
     assert len(numbers["comparison"]) == len(written.rows) > 40
@@ -202,3 +218,23 @@ def test_a_file_is_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     (tmp_path / "out").write_text("")
     assert main(["reproduce", "--out", str(tmp_path / "out")]) == 2
     assert "no folder" in capsys.readouterr().err
+
+
+def test_stiffness_by_hand() -> None:
+    """A law without memory: tilt per velocity error is the ratio of its gains; collectives act themselves."""
+    lq = load_controller("lq")
+
+    def still(axis: ControllerAxis, gains: dict[tuple[str, str], float]) -> ControllerAxis:
+        d = np.zeros(axis.system.D.shape)
+        for (command, measured), gain in gains.items():
+            d[axis.system.outputs.index(command), axis.system.inputs.index(measured)] = gain
+        none = np.zeros((0, 0))
+        b, c = np.zeros((0, d.shape[1])), np.zeros((d.shape[0], 0))
+        system = StateSpace((), axis.system.inputs, axis.system.outputs, none, b, c, d)
+        return ControllerAxis(system, np.zeros((0, d.shape[0])))
+
+    plane = {("B_1s", "u"): 0.2, ("B_1s", "theta"): -1.0, ("A_1s", "v"): -0.3, ("A_1s", "phi"): -0.6}
+    rest = {("theta_0", "w"): 0.05, ("theta_t", "r"): -0.1}
+    own = replace(lq, horizontal=still(lq.horizontal, plane), vertical=still(lq.vertical, rest))
+    assert stiffness(own, 0.67) == pytest.approx((0.2, 0.5, 0.05, 0.1))
+    assert stiffness(lq, 0.67)[3] == pytest.approx(0.094, abs=0.001)
