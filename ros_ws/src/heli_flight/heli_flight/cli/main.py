@@ -24,8 +24,8 @@ from heli_flight.cli import (
     parameters,
     predict,
     replay,
-    reproduce,
     report,
+    reproduce,
 )
 
 
