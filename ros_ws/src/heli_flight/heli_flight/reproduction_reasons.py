@@ -17,8 +17,8 @@ _FAR = (
 )
 
 _SLOW_LQ = (
-    "tilt per velocity error is 6.7 deg per m/s here and 6.9 by the printed gains: a velocity loop of 1.2 rad/s, "
-    "slow in both"
+    "tilt per velocity error is 6.7 deg per m/s here and 6.9 by the printed gains: a velocity "
+    "loop of 1.2 rad/s, slow in both"
 )
 _CALM_LQ = "our gains are 0.6 of the printed ones at the same ratio, so farther from oscillating"
 _FIGURES = "Figures 3.35 and 3.37 contradict each other; ours is as Figure 3.37 has it"

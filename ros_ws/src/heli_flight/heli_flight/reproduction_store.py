@@ -10,7 +10,6 @@ import zipfile
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -41,8 +40,8 @@ _FLIGHT_SOURCES = (
 )
 """Of heli_flight, what a flight depends on: an edit of the page flies nothing again."""
 
-Tell = Callable[[Job, int, int, float], None]
-"""Called after every flight with what was flown, how many are done, of how many, and the seconds so far."""
+Tell = Callable[[Job, int, int], None]
+"""Called after every flight with what was flown, how many are done and of how many."""
 
 
 def flying_hash(parameters: Path | None = None) -> str:
@@ -138,12 +137,12 @@ def flown(
             todo.append((job, key))
         else:
             found[job] = outcome
-    begin, done = perf_counter(), len(found)
+    done = len(found)
     with Workers(workers) as pool:
         for job, outcome in pool.results(partial(_fly, folder, parameters), todo):
             found[job] = outcome
             done += 1
-            tell(job, done, len(jobs), perf_counter() - begin)
+            tell(job, done, len(jobs))
     return found
 
 

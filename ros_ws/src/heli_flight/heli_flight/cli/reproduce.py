@@ -84,10 +84,11 @@ class _Told:
 
     def __init__(self) -> None:
         self._flown = 0
+        self._begin = perf_counter()
 
-    def __call__(self, job: Any, done: int, total: int, seconds: float) -> None:
+    def __call__(self, job: Any, done: int, total: int) -> None:
         self._flown += 1
-        left = (total - done) * seconds / self._flown
+        left = (total - done) * (perf_counter() - self._begin) / self._flown
         sys.stderr.write(
             f"{done} of {total}: {job.experiment} {job.controller} seed {job.seed}, about {left:.0f} s left\n"
         )
