@@ -27,9 +27,9 @@ def comparison_table(rows: Sequence[Compared]) -> Table:
     cells = tuple(
         (
             Cell(row.experiment),
-            Cell(row.what, "reason"),
-            Cell(row.published, "reason"),
-            Cell(row.ours, "reason"),
+            Cell(row.what, TEXT),
+            Cell(row.published, TEXT),
+            Cell(row.ours, TEXT),
             Cell(number(row.ratio)),
             words[row.holds],
             Cell(row.why, "reason"),
