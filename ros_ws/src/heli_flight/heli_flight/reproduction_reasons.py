@@ -6,7 +6,7 @@ _STIFF = (
     "the gain alone says so (table of stiffness); the source's own printed gains say the same of its LQ and "
     "GS/T, its flight does not"
 )
-_OURS = "our design, whose weights the source does not print readably, has much more gain at low frequency"
+_OURS = "designed with a W_e of ours (weights/gst2.yaml), which has much more gain at low frequency"
 _YAW = "goes with the yaw-rate gain, as it must; one printed flight each, without a scatter to judge it by"
 _TRIM = (
     "the bench flies at the model's trim, which the source prints itself (Table 2.3) and its rig did not have"
