@@ -39,14 +39,26 @@ ROOM_NORMALS = ROOM_STATE_SIZE
 
 @dataclass(frozen=True)
 class RoomAirParameters:
-    """Strength and pace of the recirculation; the strengths are a first guess, to be calibrated (spec 5)."""
+    """Strength and pace of the recirculation.
+
+    The strengths were found by `heli calibrate gusts`: with them LQ hovers as in the LQ row of the source's
+    Table 5.2, the only row that was used (docs/reproduction.md).
+    """
 
     active: float = quantity(0.0, "-", "D", "switch: 0 still room, 1 the rotor's air comes back", 0.0, 1.0)
     correlation_time: float = quantity(1.5, "s", "D", "correlation time of every gust", 0.01, 60.0)
-    strength_x: float = quantity(1.0, "m/s", "D", "standard deviation in hover, north", 0.0, 10.0)
-    strength_y: float = quantity(1.0, "m/s", "D", "standard deviation in hover, east", 0.0, 10.0)
-    strength_z: float = quantity(0.3, "m/s", "D", "standard deviation in hover, down", 0.0, 10.0)
-    strength_yaw: float = quantity(0.3, "N m", "D", "standard deviation in hover, yaw moment", 0.0, 10.0)
+    strength_x: float = quantity(
+        2.0, "m/s", "D", "standard deviation in hover, north, by heli calibrate gusts", 0.0, 10.0
+    )
+    strength_y: float = quantity(
+        1.8, "m/s", "D", "standard deviation in hover, east, by heli calibrate gusts", 0.0, 10.0
+    )
+    strength_z: float = quantity(
+        0.41, "m/s", "D", "standard deviation in hover, down, by heli calibrate gusts", 0.0, 10.0
+    )
+    strength_yaw: float = quantity(
+        1.1, "N m", "D", "standard deviation in hover, yaw moment, by heli calibrate gusts", 0.0, 10.0
+    )
 
 
 GUSTY_ROOM = RoomAirParameters(active=1.0)

@@ -22,8 +22,8 @@ from heli_bench_sim.room_air import (
 from heli_common.compiled import compiled
 
 HOVER = 4.222
-C = room_constants(GUSTY_ROOM, HOVER)
 STRENGTHS = np.array([1.0, 1.0, 0.3, 0.3])
+C = room_constants(RoomAirParameters(1.0, 1.5, *STRENGTHS.tolist()), HOVER)
 RARE = 1e-5
 """Chance that a right model fails one chi-square test; the seeds are fixed all the same."""
 Array = NDArray[np.float64]

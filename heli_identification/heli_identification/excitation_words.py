@@ -30,7 +30,7 @@ LONGEST_REQUEST = 400
 
 _SMALLEST, _DEG, _M_S, _DEG_S, _V = 0.001, "amplitude_deg", "amplitude_m_s", "amplitude_deg_s", "amplitude_V"
 _PEAKS: dict[str, tuple[str, Quantity]] = {
-    "B_1s": (_DEG, Quantity("deg", "D", "peak of longitudinal cyclic", _SMALLEST, 3.0)),
+    "B_1s": (_DEG, Quantity("deg", "D", "peak of longitudinal cyclic", _SMALLEST, 6.0)),
     "A_1s": (_DEG, Quantity("deg", "D", "peak of lateral cyclic", _SMALLEST, 3.0)),
     "theta_0": (_DEG, Quantity("deg", "D", "peak of collective", _SMALLEST, 1.5)),
     "theta_t": (_DEG, Quantity("deg", "D", "peak of tail collective", _SMALLEST, 5.0)),
@@ -45,7 +45,7 @@ _PEAKS: dict[str, tuple[str, Quantity]] = {
 _DURATION = Quantity("s", "D", "duration", 1.0, 600.0)
 _HOLD = Quantity("s", "D", "hold time", CONTROL_PERIOD, 60.0)
 _FADE = Quantity("s", "D", "fading in, and out", 0.0, 10.0)
-_FREQUENCY = Quantity("rad/s", "D", "end of the band", 0.1, 150.0)
+_FREQUENCY = Quantity("rad/s", "D", "end of the band", 0.1, 314.15)
 _FEWEST_LINES = 3
 _KEYS = (
     "signal",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -227,19 +228,10 @@ class FlightRecord:
         """
         series = self.series["flight_state"]
         codes = series.column("position.flight_state")
-        if not len(codes):
-            return ()
-        starts = np.flatnonzero(np.concatenate(([True], codes[1:] != codes[:-1])))
-        ends = [
-            *series.stamps[starts[1:]].tolist(),
-            int(series.stamps[-1]) + TOPICS["flight_state"].period_ns,
-        ]
         try:
-            states = [flight_state_from_code(codes[index]) for index in starts.tolist()]
+            return stages_of(series.stamps, codes)
         except ValueError as error:
             raise InputError(str(error), file=self.bag.folder, key="flight_state") from None
-        begins = series.stamps[starts].tolist()
-        return tuple(Stage(*stage) for stage in zip(states, begins, ends, strict=True))
 
     @property
     def span(self) -> tuple[float, float]:
@@ -252,6 +244,41 @@ class FlightRecord:
     def _positions(self, topic: str) -> tuple[Stamps, Array]:
         series = self.series[topic]
         return series.stamps, series.columns(tuple(f"position.{name}" for name in SERVO_CHANNELS))
+
+
+class Flown(Protocol):
+    """What figures of merit need of a flight, recorded or not."""
+
+    @property
+    def truth(self) -> Motion:
+        """The motion as it was."""
+
+    @property
+    def reference(self) -> tuple[Stamps, Array]:
+        """Stamps [ns] and pose reference: north, east, down [m] and yaw [rad], shape (n, 4)."""
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """The flight's stages one after the other."""
+
+
+def stages_of(stamps: Stamps, codes: Array) -> tuple[Stage, ...]:
+    """The stages of a flight; the last ends one period after the last stamp.
+
+    Args:
+        stamps: [ns], shape (n,).
+        codes: of the state at each, shape (n,).
+
+    Raises:
+        ValueError: a state's code is none of those agreed.
+    """
+    if not len(codes):
+        return ()
+    starts = np.flatnonzero(np.concatenate(([True], codes[1:] != codes[:-1])))
+    ends = [*stamps[starts[1:]].tolist(), int(stamps[-1]) + TOPICS["flight_state"].period_ns]
+    states = [flight_state_from_code(codes[index]) for index in starts.tolist()]
+    begins = stamps[starts].tolist()
+    return tuple(Stage(*stage) for stage in zip(states, begins, ends, strict=True))
 
 
 def motion_of(series: Series) -> Motion:

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from heli_common.flight_state import FlightState
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import data_topics
-from heli_flight.flight_record import Array, FlightRecord, Motion, Stage, Stamps, seconds
+from heli_flight.flight_record import Array, FlightRecord, Flown, Motion, Stage, Stamps, seconds
 from heli_flight.flight_statistics import command_metrics, controlled, estimation_metrics, wind_metrics
 
 AXES = ("x", "y", "z", "psi")
@@ -59,22 +59,6 @@ class Leg:
     def duration(self) -> float:
         """Seconds."""
         return (self.end_ns - self.start_ns) * 1e-9
-
-
-class Flown(Protocol):
-    """What hovers are judged by: a `FlightRecord`, or the pose alone of a flight without a bag."""
-
-    @property
-    def truth(self) -> Motion:
-        """The motion as it was."""
-
-    @property
-    def reference(self) -> tuple[Stamps, Array]:
-        """Stamps [ns] and pose reference: north, east, down [m] and yaw [rad], shape (n, 4)."""
-
-    @property
-    def stages(self) -> tuple[Stage, ...]:
-        """The flight's stages one after the other."""
 
 
 class Pose(NamedTuple):
@@ -191,7 +175,7 @@ def hover_metrics(record: Flown, leg: Leg) -> dict[str, float]:
     return found
 
 
-def step_metrics(record: FlightRecord, leg: Leg) -> dict[str, Any]:
+def step_metrics(record: Flown, leg: Leg) -> dict[str, Any]:
     """Response of the true pose to a step of the reference; empty without ground truth.
 
     The response counts from the old reference (0) to the new one (1).

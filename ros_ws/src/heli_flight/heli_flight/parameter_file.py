@@ -78,6 +78,16 @@ class NodeValues:
         self._values = values or {}
         self._file = file or None
 
+    def changed(self, node: str, values: Mapping[str, object]) -> NodeValues:
+        """The same with some parameters of a node set to other values.
+
+        Args:
+            node: whose they are.
+            values: full parameter names and numbers.
+        """
+        own = {**self._values.get(node, {}), **values}
+        return NodeValues({**self._values, node: own}, self._file or "")
+
     def build(self, node: str, cls: type[Parameters], prefix: str = "") -> Parameters:
         """The parameter dataclass of a node, as the node itself builds it.
 

@@ -399,7 +399,7 @@ def test_excitations() -> None:
     ("before", "after", "key", "words"),
     [
         ("signal: prbs", "signal: hum", "phases[6].excite.signal", "multisine"),
-        ("amplitude_deg: 0.7", "amplitude_deg: 7", "phases[6].excite.amplitude_deg", "0.001 .. 3 deg"),
+        ("amplitude_deg: 0.7", "amplitude_deg: 7", "phases[6].excite.amplitude_deg", "0.001 .. 6 deg"),
         ("wind_to_m_s: 2.0", "wind_to_m_s: 20", "phases[8].excite.wind_to_m_s", "0 .. 8 m/s"),
         ("hold: 2.0, ", "", "phases[8].excite.hold", "0.01 .. 60 s"),
         ("hold: 2.0", "hold: 2.0, loud: 1", "phases[8].excite.loud", "unknown key"),

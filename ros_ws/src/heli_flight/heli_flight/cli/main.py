@@ -13,6 +13,7 @@ from heli_flight.cli import interrupts  # first: everything else takes a while t
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_INTERRUPTED, InputError
 from heli_flight.cli import (
     bag,
+    calibrate,
     campaign,
     chain,
     design,
@@ -25,6 +26,7 @@ from heli_flight.cli import (
     predict,
     replay,
     report,
+    reproduce,
 )
 
 
@@ -43,11 +45,13 @@ def parser() -> argparse.ArgumentParser:
         identify,
         predict,
         chain,
+        calibrate,
         campaign,
         navigation,
         report,
         bag,
         replay,
+        reproduce,
         parameters,
     )
     for part in parts:
