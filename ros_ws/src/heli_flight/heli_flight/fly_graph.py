@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import tempfile
 from collections.abc import Callable
@@ -17,7 +16,7 @@ from heli_common.flight_state import FlightState
 from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.plan import GUSTY
 from heli_flight.process_group import Line, ProcessGroup
-from heli_flight.process_table import NODE_NAMES, Process, processes
+from heli_flight.process_table import NODE_NAMES, Process, environment, processes
 from heli_flight.progress import Progress, parse
 from heli_flight.warm_up import is_warm, warm_up
 
@@ -48,12 +47,6 @@ def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callab
                 watch.code, watch.reason = EXIT_INTERRUPTED, "interrupted"
             watch.take(group.stop())
     return FlightEnd(watch.code, watch.reason, watch.progress.time, perf_counter() - started)
-
-
-def environment() -> dict[str, str]:
-    """Environment of the nodes: discovery stays on this machine unless the user says otherwise."""
-    defaults = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "OPENBLAS_NUM_THREADS": "1"}
-    return defaults | dict(os.environ)
 
 
 def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
 from heli_common import topics
@@ -53,3 +54,9 @@ def processes(identified: bool) -> tuple[Process, ...]:
 
 
 NODE_NAMES = tuple(process.name for process in PROCESSES)
+
+
+def environment() -> dict[str, str]:
+    """Environment of the nodes: discovery stays on this machine unless the user says otherwise."""
+    defaults = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "OPENBLAS_NUM_THREADS": "1"}
+    return defaults | dict(os.environ)
