@@ -71,26 +71,43 @@ def fill(message: Any, values: object, place: str = "") -> None:
         if _fields(getattr(message, name)):
             fill(getattr(message, name), value, key)
             continue
-        try:
-            setattr(message, name, _value(kind, value, key))
-        except (AssertionError, TypeError, ValueError):
-            raise InputError(f"{value!r}", allowed=kind, key=key) from None
+        setattr(message, name, _value(kind, value, key))
 
 
 def _value(kind: str, value: object, key: str) -> object:
     """A value as the field of this kind takes it: whole numbers for floats, elements that are messages."""
-    element = re.fullmatch(r"(?:sequence<([\w/]+)(?:, \d+)?>|([\w/]+)\[\d+\])", kind)
-    if element and isinstance(value, list):
-        inner = element[1] or element[2]
+    element = re.fullmatch(r"(?:sequence<([\w/]+)(?:, (\d+))?>|([\w/]+)\[(\d+)\])", kind)
+    if element:
+        inner, most, exactly = element[1] or element[3], element[2], element[4]
+        if not isinstance(value, list) or len(value) > int(most or len(value)):
+            raise InputError(f"{value!r}", allowed=kind, key=key)
+        if exactly and len(value) != int(exactly):
+            raise InputError(f"{len(value)} elements", allowed=kind, key=key)
         return [_value(inner, each, f"{key}[{index}]") for index, each in enumerate(value)]
     if "/" in kind:
         package, name = kind.split("/")[0], kind.split("/")[-1]
         message = message_class(f"{package}/msg/{name}")()
         fill(message, value, key)
         return message
-    if kind in ("float", "double") and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    return value
+    return _plain_value(kind, value, key)
+
+
+def _plain_value(kind: str, value: object, key: str) -> object:
+    """The generated setters check nothing, and what they let pass ends the process when it is serialized."""
+    integer = re.fullmatch(r"(u?)int(\d+)", kind)
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    if kind in ("float", "double") and (whole or isinstance(value, float)):
+        return float(value)  # type: ignore[arg-type]
+    if integer and whole:
+        bits = int(integer[2])
+        low, high = (0, 2**bits) if integer[1] else (-(2 ** (bits - 1)), 2 ** (bits - 1))
+        if low <= value < high:  # type: ignore[operator]
+            return value
+    if kind == "octet" and whole and 0 <= value < 256:  # type: ignore[operator]
+        return bytes([value])  # type: ignore[list-item]
+    if (kind == "boolean" and isinstance(value, bool)) or ("string" in kind and isinstance(value, str)):
+        return value
+    raise InputError(f"{value!r}", allowed=kind, key=key)
 
 
 def _fields(value: Any) -> Mapping[str, str]:
