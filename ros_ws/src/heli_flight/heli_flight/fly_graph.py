@@ -67,6 +67,8 @@ def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:
     }
     program = order.replaced.get(process.name)
     words = [sys.executable, *(("-m", process.module) if program is None else (str(program),)), "--ros-args"]
+    if order.namespace:
+        words += ["-r", f"__ns:=/{order.namespace}"]
     if order.parameters is not None:
         words += ["--params-file", str(order.parameters)]
     for key, value in (common | settings.get(process.name, {})).items():

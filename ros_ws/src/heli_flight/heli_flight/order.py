@@ -48,6 +48,7 @@ class FlightOrder:
         plant: hash of the plant that controllers must be for, empty for any.
         replaced: programs that take the place of nodes on the graph, by node name.
         with_identification: whether the identification flies along though the plan excites nothing.
+        namespace: of every node and topic on the graph, without the leading slash; empty for none.
     """
 
     plan: Plan
@@ -66,6 +67,7 @@ class FlightOrder:
     plant: str = ""
     replaced: Mapping[str, Path] = field(default_factory=dict)
     with_identification: bool = False
+    namespace: str = ""
 
     @property
     def identified(self) -> bool:

@@ -9,7 +9,7 @@ from time import monotonic
 from types import TracebackType
 from typing import Any, TypeVar
 
-from heli_common.nodes.runner import MIDDLEWARE, STOP  # first: it takes the signals before rclpy does
+from heli_common.nodes.runner import MIDDLEWARE  # first: it takes the signals before rclpy does
 
 # isort: split
 import rclpy
@@ -21,6 +21,7 @@ from rclpy.task import Future
 from rclpy.topic_or_service_is_hidden import topic_or_service_is_hidden
 
 from heli_common.errors import InputError
+from heli_common.nodes.signals import STOP
 
 SETTLED_SECONDS = 0.6
 """The graph is known when nothing has changed for so long."""

@@ -14,7 +14,7 @@ from rclpy.node import Node
 from heli_common.errors import InputError
 from heli_common.nodes.parameters import declare_text
 from heli_common.topics import RECORDER, TOPICS, data_topics
-from heli_flight.bag import BagWriter
+from heli_flight.framed_bag import FramedBagWriter
 from heli_flight.nodes.recorder_program import DIAGNOSTICS, RecorderProgram
 
 
@@ -28,7 +28,7 @@ def build(node: Node, running: tuple[str, ...]) -> RecorderProgram:
     notes = declare_text(node, "notes", "", "JSON file of what the bag shall carry: plan, seed, versions")
     if not folder:
         raise InputError("no folder given", allowed="a new folder", key="bag")
-    bag = BagWriter(Path(folder), _read_notes(notes))
+    bag = FramedBagWriter(Path(folder), _read_notes(notes))
     recorded = data_topics(running)
     for topic in recorded:
         bag.add_topic(topic, TOPICS[topic].layout.ros_type)
