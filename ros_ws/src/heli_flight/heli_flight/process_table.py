@@ -34,6 +34,14 @@ class Process:
         """Python module of the node."""
         return f"{self.package}.nodes.{self.executable}"
 
+    @property
+    def script(self) -> str:
+        """Name of its shell script, a verb where there is one."""
+        return f"{_VERBS.get(self.name, self.name)}.sh"
+
+
+_VERBS = {topics.RECORDER: "record"}
+
 
 PROCESSES: tuple[Process, ...] = (
     Process(topics.BENCH_SIM, "heli_bench_sim", 40),
