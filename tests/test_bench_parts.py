@@ -97,7 +97,7 @@ def test_wind_gusts_and_faults_of_a_plan_are_the_same_in_both_ways_and_visible(h
 
 def test_a_fault_by_service_on_the_running_graph(heli, wait_for):
     first = heli.start("fly", "short_hover", "--mode", "realtime", "--name", "b", "--no-report", "--json")
-    wait_for(lambda: any(path.stat().st_size > 20_000 for path in heli.folder.glob("flights/*/*.mcap")))
+    wait_for(lambda: any(path.stat().st_size > 150_000 for path in heli.folder.glob("flights/*/*.mcap")))
     asked = subprocess.run(
         [sys.executable, "-c", REQUEST, "coffee_spilled", "imu_dropout for_s=0.5"],
         env=heli.environment,

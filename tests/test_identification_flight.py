@@ -158,7 +158,7 @@ def test_a_request_in_flight_and_the_loss_of_the_node_in_real_time(heli, wait_fo
     (heli.folder / "plan.yaml").write_text(CALM)
     words = ("--mode", "realtime", "--name", "b", "--no-report", "--with", "identification")
     flight = heli.start("fly", "plan.yaml", *words)
-    wait_for(lambda: any(path.stat().st_size > 20_000 for path in heli.folder.glob("flights/*/*.mcap")))
+    wait_for(lambda: any(path.stat().st_size > 150_000 for path in heli.folder.glob("flights/*/*.mcap")))
     nodes = processes_of(flight.pid)
     assert len(nodes) == len(processes(identified=True))
     request = "{signal: noise, channel: A_1s, amplitude_deg: 0.5, band_rad_s: [1, 12], duration: 60}"

@@ -13,6 +13,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from heli_common import topics
 from heli_common.errors import InputError
+from heli_flight.node_settings import FlightSettings, Settings
 from heli_flight.plan import Plan, load_plan
 from heli_flight.process_table import processes
 
@@ -25,6 +26,7 @@ ARGUMENTS = (
         default_value="lq",
         description="in place of the plan's first: shipped controller or file",
     ),
+    DeclareLaunchArgument("motor", default_value="motor", description="shipped motor controller or file"),
     DeclareLaunchArgument(
         "mode", default_value="realtime", choices=["realtime", "lockstep"], description="way of running"
     ),
@@ -35,6 +37,7 @@ ARGUMENTS = (
         choices=["true", "false"],
         description="whether the identification runs though the plan does not excite",
     ),
+    DeclareLaunchArgument("namespace", default_value="", description="of every node and topic"),
     DeclareLaunchArgument("bag", default_value="", description="new folder for the bag; empty: none"),
 )
 
@@ -44,18 +47,17 @@ def nodes(context: LaunchContext) -> list[Node]:
     given = context.launch_configurations
     plan = readable(given["plan"])
     identified = given["identification"] == "true" or bool(plan and plan.excitations)
-    own = {
-        topics.BENCH_SIM: {"mode": given["mode"], "seed": int(given["seed"])},
-        topics.SUPERVISOR: {"plan": given["plan"]},
-        topics.ATTITUDE_CONTROLLER: {
-            "controller": given["controller"],
-            "plan_controllers": ",".join((given["controller"], *plan.controllers[1:])) if plan else "",
-        },
-        topics.IDENTIFICATION: {"excitations": plan.excitations_text if plan else ""},
-        topics.RECORDER: {"bag": given["bag"]},
-    }
+    settings = FlightSettings(
+        plan=plan,
+        plan_name=given["plan"],
+        mode=given["mode"],
+        seed=int(given["seed"]),
+        controllers=(given["controller"], *(plan.controllers[1:] if plan else ())),
+        motor=given["motor"],
+        bag=given["bag"],
+    )
     table = [each for each in processes(identified) if each.name != topics.RECORDER or given["bag"]]
-    running = {"running": ",".join(process.name for process in table)}
+    running = [process.name for process in table]
     # A flight in real time goes on without its optional nodes.
     spared = (topics.RECORDER, *(topics.OPTIONAL_NODES if given["mode"] == "realtime" else ()))
     return [
@@ -63,7 +65,8 @@ def nodes(context: LaunchContext) -> list[Node]:
             package=process.package,
             executable=process.executable,
             name=process.name,
-            parameters=[typed(running | own.get(process.name, {}))],
+            namespace=given["namespace"] or None,
+            parameters=[typed(settings.of(process, running))],
             output="screen",
             # The recorder ends first, when its bag is closed; the bench waits for that.
             on_exit=[] if process.name in spared else [Shutdown(reason=f"{process.name} ended")],
@@ -80,7 +83,7 @@ def readable(name: str) -> Plan | None:
         return None
 
 
-def typed(parameters: dict[str, str | int]) -> dict[str, ParameterValue]:
+def typed(parameters: Settings) -> dict[str, ParameterValue]:
     """Parameters of the type they have here: launch would read a plan named "1" as a number."""
     return {
         key: ParameterValue(value, value_type=type(value)) for key, value in parameters.items() if value != ""

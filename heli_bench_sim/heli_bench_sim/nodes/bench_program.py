@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from time import monotonic, perf_counter
 
 from heli_bench_sim.nodes.latency import Latency
@@ -34,7 +35,12 @@ class BenchProgram:
     name = BENCH_SIM
 
     def __init__(
-        self, simulator: BenchSimulator, mode: str, running: tuple[str, ...], watch: WatchParameters
+        self,
+        simulator: BenchSimulator,
+        mode: str,
+        running: tuple[str, ...],
+        watch: WatchParameters,
+        show: Callable[[int, list[Message]], None] | None = None,
     ) -> None:
         self.simulator = simulator
         self.recorded = RECORDER in running
@@ -43,6 +49,7 @@ class BenchProgram:
         self.finished = False
         self._mode = mode
         self._watch = watch
+        self._show = show
         self._connection: Connection | None = None
         self._flying = False
         self._acknowledged_ns = -SENSOR_PERIOD_NS
@@ -163,6 +170,8 @@ class BenchProgram:
     def _publish(self, messages: list[Message]) -> None:
         assert self._connection is not None
         self._connection.publish(messages)
+        if self._show is not None:
+            self._show(self.simulator.stamp_ns, messages)
         if is_control_tick(self.simulator.stamp_ns):
             self._latency.published(self.simulator.stamp_ns)
         left = len(self.simulator.left_regime)

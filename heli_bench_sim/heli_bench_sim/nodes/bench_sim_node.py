@@ -15,6 +15,7 @@ from heli_bench_sim.bench_parameters import BenchParameters
 from heli_bench_sim.fault_words import fault_schedule
 from heli_bench_sim.faults import FaultSchedule
 from heli_bench_sim.nodes.bench_program import LOCKSTEP, MODES, BenchProgram
+from heli_bench_sim.nodes.rig_display import RigDisplay
 from heli_bench_sim.simulator import BenchSimulator
 from heli_bench_sim.watch import WatchParameters
 from heli_common.errors import InputError
@@ -46,7 +47,7 @@ def build(node: Node, running: tuple[str, ...]) -> BenchProgram:
     bench = Bench(parameters, seed, faults=faults)
     simulator = BenchSimulator(bench, excited=IDENTIFICATION in running)
     about = "set it to let something go wrong now, e.g. encoder_stuck encoder=arm_1 for_s=2"
-    program = BenchProgram(simulator, mode, running, watch)
+    program = BenchProgram(simulator, mode, running, watch, RigDisplay(node, parameters).show)
     declare_request(node, "fault", "", about, lambda text: program.request_fault(str(text)))
     return program
 

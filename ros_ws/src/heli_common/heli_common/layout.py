@@ -292,3 +292,13 @@ def odometry(frame_id: str, child_frame_id: str) -> Layout:
     pose = _xyz("position") + _xyzw("orientation") + _indexed("pose_covariance", 36)
     twist = _xyz("linear") + _xyz("angular") + _indexed("twist_covariance", 36)
     return _finish("nav_msgs/msg/Odometry", writer, pose + twist)
+
+
+def transform(frame_id: str, child_frame_id: str) -> Layout:
+    """tf2_msgs/TFMessage with the one transform that takes points of the child frame to the frame."""
+    writer = _CdrWriter()
+    writer.uint32(1)
+    _header(writer, frame_id)
+    writer.string(child_frame_id)
+    writer.numbers(7)
+    return _finish("tf2_msgs/msg/TFMessage", writer, _xyz("translation") + _xyzw("rotation"), 8)

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 
-from heli_bench_sim.fault_words import to_mappings
 from heli_common import topics
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP
 from heli_common.flight_state import FlightState
+from heli_flight.node_settings import FlightSettings
 from heli_flight.order import FlightEnd, FlightOrder, Mode
-from heli_flight.plan import GUSTY
 from heli_flight.process_group import Line, ProcessGroup
-from heli_flight.process_table import NODE_NAMES, Process, processes
+from heli_flight.process_table import NODE_NAMES, Process, environment, processes
 from heli_flight.progress import Progress, parse
 from heli_flight.warm_up import is_warm, warm_up
 
@@ -50,51 +48,17 @@ def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callab
     return FlightEnd(watch.code, watch.reason, watch.progress.time, perf_counter() - started)
 
 
-def environment() -> dict[str, str]:
-    """Environment of the nodes: discovery stays on this machine unless the user says otherwise."""
-    defaults = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "OPENBLAS_NUM_THREADS": "1"}
-    return defaults | dict(os.environ)
-
-
 def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:
     """Command line of a node for a flight."""
-    settings: dict[str, dict[str, str | int | float]] = {
-        topics.BENCH_SIM: _bench_settings(order),
-        topics.SUPERVISOR: {"plan": order.plan_name},
-        topics.MOTOR_CONTROLLER: {"controller": order.motor_name},
-        topics.ATTITUDE_CONTROLLER: _attitude_settings(order),
-        topics.IDENTIFICATION: {"excitations": order.plan.excitations_text},
-        topics.RECORDER: {"bag": str(order.bag), "notes": str(notes), "storage": order.storage},
-    }
-    scheduled = order.mode is Mode.REALTIME and order.real_time_scheduling
-    priority = process.priority if scheduled else 0
-    common: dict[str, str | int | float] = {
-        "running": ",".join(order.running),
-        "real_time_priority": priority,
-    }
     program = order.replaced.get(process.name)
     words = [sys.executable, *(("-m", process.module) if program is None else (str(program),)), "--ros-args"]
+    if order.namespace:
+        words += ["-r", f"__ns:=/{order.namespace}"]
     if order.parameters is not None:
         words += ["--params-file", str(order.parameters)]
-    for key, value in (common | settings.get(process.name, {})).items():
+    for key, value in FlightSettings.of_order(order, str(notes)).of(process, order.running).items():
         words += ["-p", f"{key}:={json.dumps(value)}"]
     return words
-
-
-def _attitude_settings(order: FlightOrder) -> dict[str, str | int | float]:
-    """Which controllers fly, and for which plant."""
-    names = ",".join((order.controller_name, *order.later_names))
-    return {"controller": order.controller_name, "plan_controllers": names, "plant": order.plant}
-
-
-def _bench_settings(order: FlightOrder) -> dict[str, str | int | float]:
-    """What the bench must know of a plan: its room and its faults."""
-    settings: dict[str, str | int | float] = {"mode": order.mode.value, "seed": order.seed}
-    if order.plan.faults:
-        settings["faults"] = json.dumps(to_mappings(order.plan.faults))
-    if order.plan.room == GUSTY:
-        settings["room.active"] = 1.0
-    return settings
 
 
 class _Watch:

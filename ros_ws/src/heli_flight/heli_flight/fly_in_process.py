@@ -9,8 +9,8 @@ from heli_common.errors import EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, S
 from heli_common.flight_state import FlightState
 from heli_common.timing import SENSOR_PERIOD_NS
 from heli_common.topics import TOPICS, data_topics
-from heli_flight.bag import BagWriter
 from heli_flight.components import DEFAULTS, bench_simulator, controllers, identifier, supervisor
+from heli_flight.framed_bag import FramedBagWriter
 from heli_flight.in_process import InProcessGraph
 from heli_flight.order import FlightEnd, FlightOrder
 from heli_flight.parameter_file import read_parameters
@@ -30,7 +30,7 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
     values = read_parameters(order.parameters) if order.parameters else DEFAULTS
     bench = bench_simulator(order.seed, values, order.plan, order.identified)
     leader = supervisor(order.plan, values)
-    bag = BagWriter(order.bag, order.notes(), order.storage)
+    bag = FramedBagWriter(order.bag, order.notes(), order.storage)
     recorded = data_topics(order.running)
     for topic in recorded:
         bag.add_topic(topic, TOPICS[topic].layout.ros_type)

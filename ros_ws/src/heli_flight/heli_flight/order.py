@@ -49,6 +49,7 @@ class FlightOrder:
         replaced: programs that take the place of nodes on the graph, by node name.
         with_identification: whether the identification flies along though the plan excites nothing.
         storage: way of storing the bag, see `bag.STORAGES`.
+        namespace: of every node and topic on the graph, without the leading slash; empty for none.
     """
 
     plan: Plan
@@ -68,6 +69,7 @@ class FlightOrder:
     replaced: Mapping[str, Path] = field(default_factory=dict)
     with_identification: bool = False
     storage: str = "mcap"
+    namespace: str = ""
 
     @property
     def identified(self) -> bool:

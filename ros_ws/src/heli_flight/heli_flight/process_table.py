@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
 from heli_common import topics
@@ -33,6 +34,14 @@ class Process:
         """Python module of the node."""
         return f"{self.package}.nodes.{self.executable}"
 
+    @property
+    def script(self) -> str:
+        """Name of its shell script, a verb where there is one."""
+        return f"{_VERBS.get(self.name, self.name)}.sh"
+
+
+_VERBS = {topics.RECORDER: "record"}
+
 
 PROCESSES: tuple[Process, ...] = (
     Process(topics.BENCH_SIM, "heli_bench_sim", 40),
@@ -53,3 +62,9 @@ def processes(identified: bool) -> tuple[Process, ...]:
 
 
 NODE_NAMES = tuple(process.name for process in PROCESSES)
+
+
+def environment() -> dict[str, str]:
+    """Environment of the nodes: discovery stays on this machine unless the user says otherwise."""
+    defaults = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "OPENBLAS_NUM_THREADS": "1"}
+    return defaults | dict(os.environ)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import json
+import re
 import sys
 from datetime import datetime
 from pathlib import Path
@@ -82,6 +83,9 @@ def add_parser(words: Any) -> None:
         choices=OPTIONAL_NODES,
         help="an optional node that shall fly along though the plan does not ask for it",
     )
+    fly.add_argument(
+        "--namespace", default="", metavar="NAME", help="of every node and topic: one bench beside another"
+    )
     fly.add_argument("--json", action="store_true", help="print one JSON object instead of text")
     fly.set_defaults(func=run)
 
@@ -135,7 +139,20 @@ def _order(options: argparse.Namespace) -> FlightOrder:
         replaced=_replaced(options.replace, options.mode),
         with_identification=IDENTIFICATION in options.more,
         storage=options.storage,
+        namespace=_namespace(options.namespace, options.mode),
     )
+
+
+def _namespace(name: str, mode: str) -> str:
+    """A namespace without the slashes around it."""
+    bare = name.strip("/")
+    if name and mode == Mode.INPROCESS.value:
+        allowed = "realtime, lockstep: in this process there are no topics"
+        raise InputError(f"in mode {mode}", allowed=allowed, key="--namespace")
+    if name and not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", bare, re.ASCII):
+        allowed = "letters, digits and _, no digit first, e.g. left"
+        raise InputError(f"{name!r}", allowed=allowed, key="--namespace")
+    return bare
 
 
 def _replaced(words: list[str], mode: str) -> dict[str, Path]:

@@ -6,62 +6,55 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 
 from heli_flight.cli import interrupts  # first: everything else takes a while to load
 
 # isort: split
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_INTERRUPTED, InputError
-from heli_flight.cli import (
-    bag,
-    calibrate,
-    campaign,
-    chain,
-    design,
-    exchange,
-    fly,
-    identify,
-    model,
-    navigation,
-    parameters,
-    predict,
-    replay,
-    report,
-    reproduce,
-)
+
+WORDS = {
+    "fly": "fly",
+    "model": "model",
+    "design": "design",
+    "export": "exchange",
+    "import": "exchange",
+    "identify": "identify",
+    "predict": "predict",
+    "chain": "chain",
+    "calibrate": "calibrate",
+    "campaign": "campaign",
+    "navigation": "navigation",
+    "report": "report",
+    "bag": "bag",
+    "replay": "replay",
+    "reproduce": "reproduce",
+    "parameters": "parameters",
+    "topic": "graph",
+    "node": "graph",
+    "param": "graph",
+    "service": "graph",
+}
+"""Module of `heli_flight.cli` by word: only that of the given word is loaded, all of them for help."""
 
 
-def parser() -> argparse.ArgumentParser:
-    """All words of the command with their options."""
+def parser(word: str = "") -> argparse.ArgumentParser:
+    """The command with its options: of one word, or of all where the word is none of them."""
     top = argparse.ArgumentParser(
         prog="heli",
         description="Helicopter test bench: fly plans, look at models, design controllers, read bags.",
     )
     words = top.add_subparsers(dest="word", required=True, metavar="COMMAND")
-    parts = (
-        fly,
-        model,
-        design,
-        exchange,
-        identify,
-        predict,
-        chain,
-        calibrate,
-        campaign,
-        navigation,
-        report,
-        bag,
-        replay,
-        reproduce,
-        parameters,
-    )
+    parts = (WORDS[word],) if word in WORDS else dict.fromkeys(WORDS.values())
     for part in parts:
-        part.add_parser(words)
+        import_module(f"heli_flight.cli.{part}").add_parser(words)
     return top
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit code."""
-    options = parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    options = parser(given[0] if given else "").parse_args(given)
     interrupts.while_running()
     try:
         code: int = options.func(options)

@@ -14,7 +14,8 @@ from rclpy.node import Node
 from heli_common.errors import InputError
 from heli_common.nodes.parameters import declare_text
 from heli_common.topics import RECORDER, TOPICS, data_topics
-from heli_flight.bag import STORAGES, BagWriter
+from heli_flight.bag import STORAGES
+from heli_flight.framed_bag import FramedBagWriter
 from heli_flight.nodes.recorder_program import DIAGNOSTICS, RecorderProgram
 
 REALTIME = "realtime"
@@ -33,7 +34,7 @@ def build(node: Node, running: tuple[str, ...]) -> RecorderProgram:
     if not folder:
         raise InputError("no folder given", allowed="a new folder", key="bag")
     about = _read_notes(notes)
-    bag = BagWriter(Path(folder), about, storage)
+    bag = FramedBagWriter(Path(folder), about, storage)
     recorded = data_topics(running)
     for topic in recorded:
         bag.add_topic(topic, TOPICS[topic].layout.ros_type)
