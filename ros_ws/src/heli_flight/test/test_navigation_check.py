@@ -126,9 +126,11 @@ def test_a_replay_gives_every_byte_back(flight, node, capsys):
 
 def test_a_replay_finds_the_first_byte_that_differs(flight):
     bag = read_bag(flight)
-    changed = bytearray(bag.messages["odometry"][2500])
+    sent = list(bag.messages["odometry"])
+    changed = bytearray(sent[2500])
     changed[60] ^= 1
-    bag.messages["odometry"][2500] = bytes(changed)
+    sent[2500] = bytes(changed)
+    bag.messages["odometry"] = sent
     found = {topic.topic: topic for topic in replay(bag, "navigation")}
     assert found["odometry"].different == 25_000_000_000
     assert not found["odometry"].same

@@ -64,6 +64,7 @@ def test_a_bag_that_was_cut_is_compared_as_far_as_it_goes(bag: Bag, node: str) -
     messages = {
         topic: [data for data in found if TOPICS[topic].layout.stamp(data) <= until[topic]]
         for topic, found in bag.messages.items()
+        if topic in TOPICS
     }
     found = replay(dataclasses.replace(bag, messages=messages, problems=("cut off",)), node)
     assert all(topic.same and not topic.whole for topic in found), found
