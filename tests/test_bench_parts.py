@@ -74,7 +74,8 @@ def series(record, topic, field):
 def test_wind_gusts_and_faults_of_a_plan_are_the_same_in_both_ways_and_visible(heli):
     (heli.folder / "dip.yaml").write_text(DIP)
     (heli.folder / "narrow.yaml").write_text(
-        "bench_sim: {ros__parameters: {helicopter: {fade_fraction: 0.9}}}\n"
+        "bench_sim: {ros__parameters: {helicopter: {fade_fraction: 0.9}, room: {strength_x: 1.0, "
+        "strength_y: 1.0, strength_z: 0.3, strength_yaw: 0.3}}}\n"  # calm enough to find the height
     )
     ways = ("inprocess", "lockstep")
     flights = [fly(heli, "dip.yaml", mode, mode, "--params-file", "narrow.yaml") for mode in ways]
