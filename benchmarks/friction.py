@@ -17,6 +17,7 @@ from dataclasses import asdict, dataclass
 from math import pi, sqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 import numpy as np
 from identification_bench import FRICTIONLESS, bench_model
@@ -60,16 +61,25 @@ class Found:
     errors: tuple[float, float]
 
 
-def segments(record: FlightRecord) -> dict[str, tuple[Segment, ...]]:
+class Motion(NamedTuple):
+    """What is estimated from, and where it moves: ahead and to the right, or both at once."""
+
+    pieces: tuple[Segment, ...]
+    spans: tuple[Segment, ...]
+
+
+def motions(record: FlightRecord) -> dict[str, Motion]:
     """The three kinds of motion in the flight."""
     plan = load_plan("arm_friction")
-    doublets = [excited_segments(record, plan, (name,))[0] for name in ("u", "v")]
+    cyclic = tuple(excited_segments(record, plan, ("B_1s", "A_1s")))
+    doublets = tuple(excited_segments(record, plan, (name,))[0] for name in ("u", "v"))
     landing = next(each.start_ns for each in record.stages if each.state is FlightState.LANDING) * 1e-9
-    begin = (doublets[1].end or 0.0) + AFTER + 2.0
+    begin, end = (doublets[1].end or 0.0) + AFTER + 2.0, landing - 2.0
+    middle = 0.5 * (begin + end)
     return {
-        "cyclic excited": tuple(excited_segments(record, plan, ("B_1s", "A_1s"))),
-        "doublets of the velocity reference": tuple(doublets),
-        STEPS: (Segment(begin, landing - 2.0),),
+        "cyclic excited": Motion(cyclic, cyclic),
+        "doublets of the velocity reference": Motion(doublets, doublets),
+        STEPS: Motion((Segment(begin, end),), (Segment(begin, middle), Segment(middle, end))),
     }
 
 
@@ -91,7 +101,7 @@ def flown(job: tuple[str, int]) -> list[Found]:
             raise RuntimeError(f"{bench}: {end.reason}")
         record = FlightRecord.load(order.bag)
         found, prior = [], None
-        for motion, pieces in segments(record).items():
+        for motion, (pieces, spans) in motions(record).items():
             choice = Choice(noise=Noise.OUTPUT_ERROR, estimate=pieces, free=AGAIN if prior else None)
             identified = identify([record], choice, prior)
             prior = prior or identified.model("cyclic", None)
@@ -101,7 +111,7 @@ def flown(job: tuple[str, int]) -> list[Found]:
                 Found(
                     bench,
                     motion,
-                    speeds(record, pieces),
+                    speeds(record, spans),
                     (float(estimate.values[places[0]]), float(estimate.values[places[1]])),
                     (float(estimate.errors[places[0]]), float(estimate.errors[places[1]])),
                 )
@@ -109,18 +119,14 @@ def flown(job: tuple[str, int]) -> list[Found]:
         return found
 
 
-def speeds(record: FlightRecord, pieces: tuple[Segment, ...]) -> tuple[float, float]:
-    """Rms of u and v, each over that piece in which it moves more [m/s]."""
+def speeds(record: FlightRecord, spans: tuple[Segment, ...]) -> tuple[float, float]:
+    """Rms of u and v, each over that span in which it moves more [m/s]."""
     time, velocity = record.truth.time, record.truth.velocity[:, :2]
-    if len(pieces) == 1:  # the steps: first in x, then in y
-        begin, end = pieces[0].begin or 0.0, pieces[0].end or 0.0
-        middle = 0.5 * (begin + end)
-        spans = [(begin, end)] if velocity[(time > begin) & (time < middle), 1].std() > 0.02 else []
-        spans = spans or [(begin, middle), (middle, end)]
-    else:
-        spans = [(piece.begin or 0.0, piece.end or 0.0) for piece in pieces]
-    rms = np.array([np.sqrt(np.mean(velocity[(time >= a) & (time <= b)] ** 2, axis=0)) for a, b in spans])
-    u, v = rms.max(axis=0).tolist()
+    rms = [
+        np.sqrt(np.mean(velocity[(time >= (span.begin or 0.0)) & (time <= (span.end or 0.0))] ** 2, axis=0))
+        for span in spans
+    ]
+    u, v = np.array(rms).max(axis=0).tolist()
     return u, v
 
 

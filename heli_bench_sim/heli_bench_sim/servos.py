@@ -183,38 +183,6 @@ def reach_shafts(
     return saturated
 
 
-@dataclass(frozen=True)
-class ServoCommand:
-    """What the pulse generator makes of a command."""
-
-    shafts: tuple[float, float, float, float]
-    """shaft angles after limits and pulse resolution [rad]"""
-    saturated: bool
-    """whether the limits changed the command"""
-
-
-def command_shafts(
-    b_1s: float, a_1s: float, theta_0: float, theta_t: float, parameters: ServoParameters
-) -> ServoCommand:
-    """What `reach_shafts` makes of a command.
-
-    Args:
-        b_1s: longitudinal cyclic [rad].
-        a_1s: lateral cyclic [rad].
-        theta_0: collective [rad].
-        theta_t: tail collective [rad].
-        parameters: servos and levers.
-
-    Raises:
-        ValueError: a value that is not finite, by name.
-    """
-    require_finite_command((b_1s, a_1s, theta_0, theta_t))
-    shafts = np.empty(SERVOS)
-    saturated = reach_shafts(b_1s, a_1s, theta_0, theta_t, servo_constants(parameters), shafts)
-    one, two, three, tail = shafts.tolist()
-    return ServoCommand((one, two, three, tail), bool(saturated))
-
-
 def require_finite_command(command: Sequence[float]) -> None:
     """Refuse a servo command that is no number.
 

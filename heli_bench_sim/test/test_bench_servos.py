@@ -1,6 +1,7 @@
 """Servos: mixing both ways, limits and their rule, pulse resolution, motion."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -10,8 +11,9 @@ from numpy.typing import NDArray
 
 from heli_bench_sim.servos import (
     ServoParameters,
-    command_shafts,
     mix,
+    reach_shafts,
+    require_finite_command,
     servo_constants,
     shaft_acceleration,
     unmix,
@@ -21,6 +23,19 @@ P = ServoParameters()
 C = servo_constants(P)
 DEG = math.pi / 180.0
 Array = NDArray[np.float64]
+
+
+class ServoCommand(NamedTuple):
+    shafts: tuple[float, ...]
+    saturated: bool
+
+
+def command_shafts(b_1s: float, a_1s: float, theta_0: float, theta_t: float) -> ServoCommand:
+    """As the bench does with a command."""
+    require_finite_command((b_1s, a_1s, theta_0, theta_t))
+    shafts = np.empty(4)
+    saturated = reach_shafts(b_1s, a_1s, theta_0, theta_t, C, shafts)
+    return ServoCommand(tuple(shafts.tolist()), bool(saturated))
 
 
 def mixed(b_1s: float, a_1s: float, theta_0: float, theta_t: float) -> Array:
@@ -66,7 +81,7 @@ def test_mixing_undoes_unmixing(shafts: list[float]) -> None:
 
 
 def test_reachable_command_comes_through_to_half_a_pulse_step() -> None:
-    command = command_shafts(1 * DEG, -2 * DEG, 9.7 * DEG, 11.1 * DEG, P)
+    command = command_shafts(1 * DEG, -2 * DEG, 9.7 * DEG, 11.1 * DEG)
     assert not command.saturated
     wanted = mixed(1 * DEG, -2 * DEG, 9.7 * DEG, 11.1 * DEG)
     assert np.abs(np.array(command.shafts) - wanted).max() <= 0.5 * 0.12 * DEG + 1e-12
@@ -79,7 +94,7 @@ def test_reachable_command_comes_through_to_half_a_pulse_step() -> None:
 def test_limits_keep_collective_and_direction(
     b_1s: float, a_1s: float, theta_0: float, theta_t: float
 ) -> None:
-    command = command_shafts(b_1s, a_1s, theta_0, theta_t, P)
+    command = command_shafts(b_1s, a_1s, theta_0, theta_t)
     shafts = np.array(command.shafts)
     assert np.abs(shafts).max() <= 60 * DEG + 1e-12
     step = 0.12 * DEG
@@ -101,14 +116,14 @@ def test_limits_keep_collective_and_direction(
 
 
 def test_six_degrees_of_cyclic_remain_at_hover() -> None:
-    assert not command_shafts(6.25 * DEG, 0.0, 9.689 * DEG, 11.1 * DEG, P).saturated
-    assert command_shafts(6.4 * DEG, 0.0, 9.689 * DEG, 11.1 * DEG, P).saturated
+    assert not command_shafts(6.25 * DEG, 0.0, 9.689 * DEG, 11.1 * DEG).saturated
+    assert command_shafts(6.4 * DEG, 0.0, 9.689 * DEG, 11.1 * DEG).saturated
 
 
 def test_tail_alone_saturates_without_touching_the_swash_plate() -> None:
-    command = command_shafts(0.01, 0.02, 0.15, 0.6, P)
+    command = command_shafts(0.01, 0.02, 0.15, 0.6)
     assert command.saturated
-    assert command.shafts[:3] == command_shafts(0.01, 0.02, 0.15, 0.2, P).shafts[:3]
+    assert command.shafts[:3] == command_shafts(0.01, 0.02, 0.15, 0.2).shafts[:3]
 
 
 @pytest.mark.parametrize(("place", "name"), [(0, "B_1s"), (1, "A_1s"), (2, "theta_0"), (3, "theta_t")])
@@ -116,7 +131,7 @@ def test_command_that_is_no_number_is_named(place: int, name: str) -> None:
     values = [0.0, 0.0, 0.1, 0.1]
     values[place] = math.inf
     with pytest.raises(ValueError, match=f"{name} is inf"):
-        command_shafts(*values, P)
+        command_shafts(*values)
 
 
 def respond(command: float, duration: float) -> Array:

@@ -12,10 +12,11 @@ import hashlib
 import importlib.util
 import os
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
+from types import MappingProxyType
 from typing import TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., object])
@@ -30,17 +31,25 @@ PACKAGES = (
 )
 
 
-def source_hash() -> str:
-    """SHA-256 over the path and text of every Python source of the installed packages."""
+def source_hash(chosen: Mapping[str, Sequence[str]] = MappingProxyType({}), more: bytes = b"") -> str:
+    """SHA-256 over the path and text of every Python source of the installed packages.
+
+    Args:
+        chosen: by package, those of its files that count, in their order; of other packages all do.
+        more: that counts, too.
+    """
     digest = hashlib.sha256()
     for package in PACKAGES:
         spec = importlib.util.find_spec(package)
         if spec is None or spec.origin is None:
             continue
         root = Path(spec.origin).parent
-        for path in sorted(root.rglob("*.py")):
+        names = chosen.get(package)
+        paths = sorted(root.rglob("*.py")) if names is None else [root / name for name in names]
+        for path in paths:
             digest.update(f"{package}/{path.relative_to(root)}\0".encode())
             digest.update(path.read_bytes())
+    digest.update(more)
     return digest.hexdigest()
 
 

@@ -11,10 +11,8 @@ import dataclasses
 import os
 import shutil
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from math import sqrt
-from multiprocessing import get_context
 from pathlib import Path
 from statistics import mean
 from typing import Any
@@ -32,6 +30,7 @@ from heli_flight.identification import Choice, Identified, identify
 from heli_flight.metrics import flight_metrics
 from heli_flight.order import FlightOrder, Mode
 from heli_flight.plan import Plan, load_plan
+from heli_flight.worker_pool import Workers
 from heli_identification.parametrisation import Noise
 from heli_identification.preparation import Segment
 
@@ -286,8 +285,7 @@ def _hover(job: Job) -> Hover:
 
 
 def _flown(jobs: Sequence[Job], workers: int, tell: Tell) -> Iterator[Hover]:
-    with ProcessPoolExecutor(min(workers, os.cpu_count() or 1), mp_context=get_context("spawn")) as pool:
-        waiting = [pool.submit(_hover, job) for job in jobs]
-        for done, future in enumerate(as_completed(waiting), 1):
+    with Workers(min(workers, os.cpu_count() or 1)) as pool:
+        for done, hover in enumerate(pool.results(_hover, jobs), 1):
             tell("hovers", done, len(jobs))
-            yield future.result()
+            yield hover

@@ -69,9 +69,3 @@ def rank_correlation(ours: Mapping[str, float], theirs: Mapping[str, float]) -> 
         return None
     found = stats.kendalltau([ours[name] for name in names], [theirs[name] for name in names])
     return None if math.isnan(found.statistic) else float(found.statistic)
-
-
-def share_interval(successes: int, count: int) -> tuple[float, float]:
-    """Wilson's interval of a share."""
-    found = stats.binomtest(successes, count).proportion_ci(CONFIDENCE, method="wilson")
-    return float(found.low), float(found.high)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import io
 import json
 import zipfile
@@ -14,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from heli_common.compiled import PACKAGES
+from heli_common.compiled import source_hash
 from heli_common.errors import InputError
 from heli_common.files import write_atomically
 from heli_control.controller_file import load_controller
@@ -50,19 +49,8 @@ def flying_hash(parameters: Path | None = None) -> str:
     Args:
         parameters: parameter file of the nodes.
     """
-    digest = hashlib.sha256()
-    for package in PACKAGES:
-        spec = importlib.util.find_spec(package)
-        if spec is None or spec.origin is None:
-            continue
-        root = Path(spec.origin).parent
-        own = package == "heli_flight"
-        paths = [root / name for name in _FLIGHT_SOURCES] if own else sorted(root.rglob("*.py"))
-        for path in paths:
-            digest.update(f"{package}/{path.relative_to(root)}\0".encode())
-            digest.update(path.read_bytes())
-    digest.update(parameters.read_bytes() if parameters else b"")
-    return digest.hexdigest()
+    more = parameters.read_bytes() if parameters else b""
+    return source_hash({"heli_flight": _FLIGHT_SOURCES}, more)
 
 
 def job_hash(job: Job, flying: str) -> str:

@@ -36,7 +36,7 @@ from heli_control.position_control import PositionLaw, PositionParameters
 from heli_flight.compiled_control import Flag
 from heli_flight.components import DEFAULTS, bench_simulator, controllers, identifier, supervisor
 from heli_flight.flight_log import LOGGED, FlightLog, log_of_values
-from heli_flight.in_process import InProcessGraph
+from heli_flight.in_process import InProcessGraph, Sink
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Plan
 from heli_flight.stages import Reference
@@ -179,6 +179,41 @@ class SwiftFlight:
         return self._control.command
 
 
+def fly_components(
+    plan: Plan,
+    seed: int,
+    controller: ControllerFile,
+    values: NodeValues,
+    motor: MotorControllerFile | None,
+    later: Sequence[ControllerFile],
+    *,
+    sink: Sink,
+) -> tuple[BenchSimulator, str]:
+    """Fly any plan with the components to its end; the bench, and why the flight was stopped, if it was.
+
+    Args:
+        plan: what to fly.
+        seed: of every random number.
+        controller: that flies first.
+        values: parameters of the nodes.
+        motor: of the motor; the shipped one without.
+        later: controllers that phases of the plan change to.
+        sink: sees every message.
+    """
+    excited = bool(plan.excitations)
+    bench, leader = bench_simulator(seed, values, plan, excited), supervisor(plan, values)
+    parts = [leader, *controllers(controller, values, later, motor, excited)]
+    if excited:
+        parts.append(identifier(plan, values))
+    graph = InProcessGraph(bench, parts, sink)
+    try:
+        while bench.ended_at is None:
+            graph.advance()
+    except (SafetyStop, ValueError) as error:
+        return bench, str(error) or type(error).__name__
+    return bench, leader.reason if leader.state is FlightState.FAULT else ""
+
+
 def plain_flight(
     plan: Plan,
     seed: int,
@@ -188,24 +223,13 @@ def plain_flight(
     later: Sequence[ControllerFile] = (),
 ) -> FlightLog:
     """Fly any plan with the components, as `fly_in_process` does, without a bag; arguments as there."""
-    bench, leader = bench_simulator(seed, values, plan, bool(plan.excitations)), supervisor(plan, values)
-    parts = [leader, *controllers(controller, values, later, motor, bool(plan.excitations))]
-    if plan.excitations:
-        parts.append(identifier(plan, values))
     sent: dict[str, list[tuple[float, ...]]] = {name: [] for name in LOGGED}
 
     def record(topic: str, _stamp_ns: int, data: bytes) -> None:
         if topic in sent:
             sent[topic].append(topics.TOPICS[topic].layout.unpack(data)[1])
 
-    graph, reason = InProcessGraph(bench, parts, record), ""
-    try:
-        while bench.ended_at is None:
-            graph.advance()
-        if leader.state is FlightState.FAULT:
-            reason = leader.reason
-    except (SafetyStop, ValueError) as error:
-        reason = str(error)
+    bench, reason = fly_components(plan, seed, controller, values, motor, later, sink=record)
     widths = {name: len(topics.TOPICS[name].layout.fields) for name in LOGGED}
     log = log_of_values({name: np.array(rows).reshape(-1, widths[name]) for name, rows in sent.items()})
     log.reason, log.remarks = reason, regime(bench)

@@ -17,20 +17,19 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from heli_common.errors import InputError, SafetyStop
+from heli_common.errors import InputError
 from heli_common.flight_state import FlightState
 from heli_common.rig_geometry import RigGeometry
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import SERVO_CHANNELS, TOPICS
 from heli_control.controller_file import load_controller
 from heli_flight.bag_reader import Bag
-from heli_flight.components import DEFAULTS, bench_simulator, controllers, identifier, supervisor
+from heli_flight.components import DEFAULTS, bench_simulator
 from heli_flight.flight_log import FlightLog
 from heli_flight.flight_record import Array, FlightRecord, Motion, Stage, Stamps, stages_of
-from heli_flight.in_process import InProcessGraph
 from heli_flight.parameter_file import NodeValues
 from heli_flight.plan import Excite, Hover, Phase, Plan
-from heli_flight.swift_flight import SwiftFlight, is_swift
+from heli_flight.swift_flight import SwiftFlight, fly_components, is_swift
 from heli_identification.excitation import COMMAND_CHANNELS, samples
 
 KEPT = (
@@ -198,25 +197,13 @@ def _swift(plan: Plan, values: NodeValues, tables: Mapping[int, Array] = Mapping
 
 def _by_components(plan: Plan, values: NodeValues, kept: tuple[str, ...]) -> FlownFlight:
     first, *later = [load_controller(name) for name in plan.controllers]
-    excited = bool(plan.excitations)
-    bench, leader = bench_simulator(plan.seed, values, plan, excited), supervisor(plan, values)
-    parts = [leader, *controllers(first, values, later, None, excited)]
-    if excited:
-        parts.append(identifier(plan, values))
     messages: dict[str, list[bytes]] = {topic: [] for topic in kept}
 
     def keep(topic: str, _stamp_ns: int, data: bytes) -> None:
         if topic in messages:
             messages[topic].append(data)
 
-    graph, reason = InProcessGraph(bench, parts, keep), ""
-    try:
-        while bench.ended_at is None:
-            graph.advance()
-        if leader.state is FlightState.FAULT:
-            reason = leader.reason
-    except (SafetyStop, ValueError) as error:
-        reason = str(error) or type(error).__name__
+    _, reason = fly_components(plan, plan.seed, first, values, None, later, sink=keep)
     types = {topic: TOPICS[topic].layout.ros_type for topic in kept}
     return _of_record(FlightRecord(Bag(Path(plan.name), types, {}, messages, {}, ())), reason)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from calm_room import CALM
 
 from heli_control.controller_file import load_controller
 from heli_flight.flight_record import FlightRecord
@@ -27,17 +28,6 @@ phases:
   - land: {speed: 0.4}
   - run_down: {duration: 0.5}
 """
-
-
-CALM = """
-/**/bench_sim:
-  ros__parameters:
-    room.strength_x: 1.0
-    room.strength_y: 1.0
-    room.strength_z: 0.3
-    room.strength_yaw: 0.3
-"""
-"""Half of the gusts that are calibrated on Table 5.2: in these a step of 0.20 m still shows."""
 
 
 @pytest.mark.parametrize("name", FIVE)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from calm_room import CALM
 
 from heli_control.controller_file import load_controller
 from heli_flight.flight_record import FlightRecord
@@ -26,16 +27,6 @@ phases:
 faults:
   - {{{fault}, at_s: 22.0}}
 """
-
-CALM = """
-/**/bench_sim:
-  ros__parameters:
-    room.strength_x: 1.0
-    room.strength_y: 1.0
-    room.strength_z: 0.3
-    room.strength_yaw: 0.3
-"""
-"""Half of the gusts calibrated on Table 5.2: in these LQ keeps its tilt below 20 deg without the IMU, too."""
 
 
 @pytest.mark.parametrize(

@@ -11,11 +11,12 @@ from typing import Any
 
 from heli_common.errors import InputError
 from heli_common.files import write_atomically
+from heli_flight.cli.limits import MOST_WORKERS, require_between
 from heli_flight.components import DEFAULTS
 from heli_flight.parameter_file import read_parameters
 from heli_flight.plan import load_plan
 
-_MOST_WORKERS, _MOST_SEEDS, _LARGEST_SEED = 64, 1000, 2**31 - 1
+_MOST_SEEDS, _LARGEST_SEED = 1000, 2**31 - 1
 
 
 def add_parser(words: Any) -> None:
@@ -52,15 +53,12 @@ def run(options: argparse.Namespace) -> int:
     from heli_flight.published_flights import LQ_HOVER
 
     last = options.first + options.seeds - 1
-    for value, allowed, key, good in (
-        (options.seeds, f"1 .. {_MOST_SEEDS}", "--seeds", 1 <= options.seeds <= _MOST_SEEDS),
-        (options.first, f"0 .. {_LARGEST_SEED}", "--first", options.first >= 0 and last <= _LARGEST_SEED),
-        (options.rounds, "1 .. 100", "--rounds", 1 <= options.rounds <= 100),
-        (options.tolerance, "0.1 .. 50", "--tolerance", 0.1 <= options.tolerance <= 50.0),
-        (options.workers, f"1 .. {_MOST_WORKERS}", "--workers", 1 <= options.workers <= _MOST_WORKERS),
-    ):
-        if not good:
-            raise InputError(f"{value}", allowed=allowed, key=key)
+    require_between(options.seeds, 1, _MOST_SEEDS, "--seeds")
+    if options.first < 0 or last > _LARGEST_SEED:
+        raise InputError(f"{options.first}", allowed=f"0 .. {_LARGEST_SEED}", key="--first")
+    require_between(options.rounds, 1, 100, "--rounds")
+    require_between(options.tolerance, 0.1, 50, "--tolerance")
+    require_between(options.workers, 1, MOST_WORKERS, "--workers")
     plan = gusts.require_gusty(load_plan(options.plan))
     values = read_parameters(options.params_file) if options.params_file else DEFAULTS
     if options.out.is_dir() or not options.out.absolute().parent.is_dir():

@@ -25,6 +25,7 @@ from heli_flight.campaign_draws import check_campaign
 from heli_flight.campaign_flight import Campaign
 from heli_flight.campaign_pictures import write_pictures
 from heli_flight.campaign_results import SUMMARY, TABLE, WORST, command, write_results
+from heli_flight.cli.limits import require_between
 from heli_flight.flight_log import log_of_bag
 from heli_flight.flight_record import FlightRecord
 from heli_flight.plan import load_plan
@@ -70,12 +71,8 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.check is not None:
         return check(options.check, options.out / WORST, options.json)
-    for value, most, key in (
-        (options.flights, _MOST_FLIGHTS, "--flights"),
-        (options.workers, _MOST_WORKERS, "--workers"),
-    ):
-        if not 1 <= value <= most:
-            raise InputError(f"{value}", allowed=f"1 .. {most}", key=key)
+    require_between(options.flights, 1, _MOST_FLIGHTS, "--flights")
+    require_between(options.workers, 1, _MOST_WORKERS, "--workers")
     campaign = read_campaign(options)
     if options.flights % campaign.vary.cells:
         allowed = f"a multiple of {campaign.vary.cells}, the combinations of the grid"

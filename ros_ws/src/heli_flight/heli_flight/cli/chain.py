@@ -14,8 +14,9 @@ from rich.table import Table
 
 from heli_common.errors import InputError
 from heli_flight.chain import AXES, KINDS, LARGEST_RATIO, MODELS, Chain, run_chain
+from heli_flight.cli.limits import MOST_WORKERS, require_between
 
-_MOST_WORKERS, _LARGEST_SEED = 64, 2**31 - 1
+_LARGEST_SEED = 2**31 - 1
 
 
 def add_parser(words: Any) -> None:
@@ -43,13 +44,11 @@ def run(options: argparse.Namespace) -> int:
         InputError: a number out of range, a plan that is none, a folder in use, data that bear nothing.
     """
     last = options.first + options.seeds - 1
-    for value, allowed, key, good in (
-        (options.seeds, "1 or more", "--seeds", options.seeds >= 1),
-        (options.first, f"0 .. {_LARGEST_SEED}", "--first", options.first >= 0 and last <= _LARGEST_SEED),
-        (options.workers, f"1 .. {_MOST_WORKERS}", "--workers", 1 <= options.workers <= _MOST_WORKERS),
-    ):
-        if not good:
-            raise InputError(f"{value}", allowed=allowed, key=key)
+    if options.seeds < 1:
+        raise InputError(f"{options.seeds}", allowed="1 or more", key="--seeds")
+    if options.first < 0 or last > _LARGEST_SEED:
+        raise InputError(f"{options.first}", allowed=f"0 .. {_LARGEST_SEED}", key="--first")
+    require_between(options.workers, 1, MOST_WORKERS, "--workers")
     found = run_chain(
         options.out.absolute(),
         range(options.first, last + 1),

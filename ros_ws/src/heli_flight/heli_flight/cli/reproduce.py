@@ -10,8 +10,9 @@ from time import perf_counter
 from typing import Any
 
 from heli_common.errors import InputError
+from heli_flight.cli.limits import MOST_WORKERS, require_between
 
-_MOST_WORKERS, _MOST_SEEDS = 64, 1000
+_MOST_SEEDS = 1000
 
 
 def add_parser(words: Any) -> None:
@@ -43,10 +44,9 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         InputError: a number out of range, an experiment that is none, a folder that cannot be written.
     """
-    if not 1 <= options.workers <= _MOST_WORKERS:
-        raise InputError(f"{options.workers}", allowed=f"1 .. {_MOST_WORKERS}", key="--workers")
-    if options.seeds is not None and not 1 <= options.seeds <= _MOST_SEEDS:
-        raise InputError(f"{options.seeds}", allowed=f"1 .. {_MOST_SEEDS}", key="--seeds")
+    require_between(options.workers, 1, MOST_WORKERS, "--workers")
+    if options.seeds is not None:
+        require_between(options.seeds, 1, _MOST_SEEDS, "--seeds")
     # slow to load
     from heli_flight import reproduction_run as extents
     from heli_flight.reproduction_flights import PLANS
