@@ -58,9 +58,9 @@ class BenchSimulator:
     name = BENCH_SIM
     inputs: tuple[str, ...] = ("servo_command", "motor_command", "flight_state")
     outputs: tuple[str, ...] = (
+        "rotor",
         "encoders",
         "imu",
-        "rotor",
         "actuator_state",
         "ground_truth",
         "wind",
@@ -215,7 +215,10 @@ class BenchSimulator:
         stamp, bench = self.stamp_ns, self.bench
         reading, imu = bench.encoder_reading(), bench.imu_reading()
         indexed = [float(flag) for flag in reading.indexed]
-        messages = [
+        messages = []
+        if is_control_tick(stamp):  # before the others: the last of a burst wakes its listener
+            messages.append(Message("rotor", stamp, (0.0, bench.rotor_reading(), 0.0)))
+        messages += [
             Message("encoders", stamp, (*reading.angle, *_zeros(6), *indexed)),
             Message("imu", stamp, imu_values(imu.gyro, imu.accelerometer, self._imu_variances, imu.valid)),
         ]
@@ -248,7 +251,6 @@ class BenchSimulator:
             *_zeros(2 * len(BENCH_CONDITION)),
         )
         return [
-            Message("rotor", stamp, (0.0, bench.rotor_reading(), 0.0)),
             Message("actuator_state", stamp, actuators),
             Message("ground_truth", stamp, odometry_values(truth, _NO_VARIANCE, _NO_VARIANCE)),
             Message("wind", stamp, wind_values(bench.wind)),

@@ -113,6 +113,7 @@ class AttitudeController:
 
     name = topics.ATTITUDE_CONTROLLER
     inputs: tuple[str, ...] = ("odometry", "velocity_reference", "flight_state")
+    waking: tuple[str, ...] = ("velocity_reference",)
     outputs: tuple[str, ...] = ("servo_command",)
 
     def __init__(

@@ -167,6 +167,7 @@ class MotorController:
 
     name = topics.MOTOR_CONTROLLER
     inputs: tuple[str, ...] = ("rotor_state", "flight_state")
+    waking: tuple[str, ...] = ("flight_state",)
     outputs: tuple[str, ...] = ("motor_command",)
 
     def __init__(self, parameters: MotorParameters) -> None:

@@ -232,13 +232,14 @@ class PositionController:
 
     name = topics.POSITION_CONTROLLER
     inputs: tuple[str, ...] = ("odometry", "reference", "flight_state")
+    waking: tuple[str, ...] = ("reference",)
     outputs: tuple[str, ...] = ("velocity_reference",)
 
     def __init__(self, parameters: PositionParameters, excited: bool = False) -> None:
         self._law = PositionLaw(parameters)
         optional = ("reference_excitation",) if excited else ()
         self._join = StampJoin(self.inputs, optional)
-        self.inputs = (*self.inputs, *optional)
+        self.inputs, self.waking = (*self.inputs, *optional), (*self.waking, *optional)
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
         """Take in one message; when all inputs of a stamp are there, the velocity reference.

@@ -72,7 +72,8 @@ class Navigator:
     """
 
     name = topics.NAVIGATION
-    inputs: tuple[str, ...] = ("encoders", "imu", "rotor")
+    inputs: tuple[str, ...] = ("rotor", "encoders", "imu")
+    waking: tuple[str, ...] = ("imu",)
     outputs: tuple[str, ...] = ("odometry", "odometry_imu", "imu_attitude", "imu_bias", "rotor_state")
 
     def __init__(

@@ -13,7 +13,7 @@ from heli_common.errors import SafetyStop
 from heli_common.nodes.connection import Connection
 from heli_common.nodes.requests import Requests
 from heli_common.timing import COMMAND_LATENCY_NS, CONTROL_PERIOD_NS, SENSOR_PERIOD_NS, is_control_tick
-from heli_common.topics import BENCH_SIM, OPTIONAL_NODES, RECORDER, TOPICS
+from heli_common.topics import BENCH_SIM, OPTIONAL_NODES, RECORDER, SUPERVISOR, TOPICS
 
 LOCKSTEP, REALTIME = "lockstep", "realtime"
 MODES = (LOCKSTEP, REALTIME)
@@ -33,6 +33,7 @@ class BenchProgram:
     """Drives a `BenchSimulator` in lockstep or in real time until the supervisor ends the flight."""
 
     name = BENCH_SIM
+    ends = True
 
     def __init__(
         self,
@@ -46,6 +47,7 @@ class BenchProgram:
         self.recorded = RECORDER in running
         self.inputs = (*simulator.inputs, "recorder_ack") if self.recorded else simulator.inputs
         self.outputs = simulator.outputs
+        self.waking = tuple(topic for topic in simulator.inputs if TOPICS[topic].source != SUPERVISOR)
         self.finished = False
         self._mode = mode
         self._watch = watch

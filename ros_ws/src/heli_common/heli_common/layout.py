@@ -76,14 +76,19 @@ class Layout:
                 runs[-1] = (runs[-1][0], runs[-1][1], runs[-1][2] + 1)
             else:
                 runs.append((offset, index, 1))
-        plan = tuple((offset, struct.Struct(f"<{n}d"), first, first + n) for offset, first, n in runs)
-        object.__setattr__(self, "_runs", plan)
-        object.__setattr__(self, "_stamp", struct.Struct("<iI"))
-        whole, end = f"<{self.stamp_offset}xiI", self.stamp_offset + 8
-        for offset, _, n in runs:
-            whole += f"{offset - end}x{n}d"
+        kept, skipped = f"<{self.stamp_offset}siI", f"<{self.stamp_offset}xiI"
+        end, plan = self.stamp_offset + 8, []
+        for offset, first, n in runs:
+            kept += f"{offset - end}s{n}d"
+            skipped += f"{offset - end}x{n}d"
+            plan.append((self.template[end:offset], offset, first, first + n))
             end = offset + 8 * n
-        object.__setattr__(self, "_whole", struct.Struct(f"{whole}{len(self.template) - end}x"))
+        rest = len(self.template) - end
+        object.__setattr__(self, "_runs", tuple(plan))
+        object.__setattr__(self, "_ends", (self.template[: self.stamp_offset], self.template[end:]))
+        object.__setattr__(self, "_pack", struct.Struct(f"{kept}{rest}s").pack)
+        object.__setattr__(self, "_unpack", struct.Struct(f"{skipped}{rest}x").unpack)
+        object.__setattr__(self, "_stamp", struct.Struct("<iI"))
 
     @property
     def size(self) -> int:
@@ -102,17 +107,14 @@ class Layout:
         """
         if len(values) != len(self.fields):
             raise ValueError(f"{self.ros_type}: {len(values)} values for {len(self.fields)} fields")
-        buffer = bytearray(self.template)
-        seconds, nanoseconds = divmod(stamp_ns, _NANOSECONDS)
-        self._stamp.pack_into(buffer, self.stamp_offset, seconds, nanoseconds)  # type: ignore[attr-defined]
         if isinstance(values, np.ndarray):
-            numbers = np.asarray(values, dtype="<f8").tobytes()
-            for offset, packer, first, last in self._runs:  # type: ignore[attr-defined]
-                buffer[offset : offset + packer.size] = numbers[8 * first : 8 * last]
-        else:
-            for offset, packer, first, last in self._runs:  # type: ignore[attr-defined]
-                packer.pack_into(buffer, offset, *values[first:last])
-        return bytes(buffer)
+            values = values.tolist()
+        head, tail = self._ends  # type: ignore[attr-defined]
+        parts: list[object] = [head, *divmod(stamp_ns, _NANOSECONDS)]
+        for constant, _, first, last in self._runs:  # type: ignore[attr-defined]
+            parts.append(constant)
+            parts += values[first:last]
+        return self._pack(*parts, tail)  # type: ignore[attr-defined,no-any-return]
 
     def unpack(self, data: bytes) -> tuple[int, tuple[float, ...]]:
         """Stamp [ns] and numbers of a serialized message of exactly this layout.
@@ -122,7 +124,7 @@ class Layout:
         """
         if len(data) != len(self.template):
             raise ValueError(f"{self.ros_type}: {len(data)} bytes instead of {len(self.template)}")
-        found = self._whole.unpack(data)  # type: ignore[attr-defined]
+        found = self._unpack(data)  # type: ignore[attr-defined]
         return found[0] * _NANOSECONDS + found[1], found[2:]
 
     def stamp(self, data: bytes) -> int:
@@ -187,8 +189,8 @@ class Layout:
         stamp = rows[:, self.stamp_offset : self.stamp_offset + 8].copy().view("<u4").astype(np.int64)
         stamps = stamp[:, 0].astype(np.int32) * np.int64(_NANOSECONDS) + stamp[:, 1]
         values = np.empty((len(rows), len(self.fields)))
-        for offset, packer, first, last in self._runs:  # type: ignore[attr-defined]
-            values[:, first:last] = rows[:, offset : offset + packer.size].view("<f8")
+        for _, offset, first, last in self._runs:  # type: ignore[attr-defined]
+            values[:, first:last] = rows[:, offset : offset + 8 * (last - first)].view("<f8")
         return stamps, values
 
 

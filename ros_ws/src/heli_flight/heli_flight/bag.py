@@ -10,12 +10,14 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import numpy as np
 import zstandard
 from rosbags.typesys import Stores, get_typestore
 
@@ -50,6 +52,8 @@ STORAGES: dict[str, Callable[[Path], McapFile | SqliteFile]] = {
 _PACKING_LEVEL, _WINDOW = 12, 24
 FLUSH_INTERVAL_NS = 500_000_000
 METADATA_INTERVAL_NS = 1_000_000_000
+MOST_WAITING = 4096
+"""So many messages are written whatever their stamps say."""
 
 
 def _no_remarks() -> dict[str, str]:
@@ -83,7 +87,7 @@ class BagWriter:
         self._schemas: dict[str, int] = {}
         self._start_ns, self._end_ns = NO_START, 0
         self._next_flush = self._next_metadata = -1
-        self._flushed_ns = 0
+        self._flushed_ns = self._waiting = 0
         self._open = True
         self._packs, self._packed = storage.endswith("_packed"), ""
         try:
@@ -110,11 +114,13 @@ class BagWriter:
     @property
     def counts(self) -> dict[str, int]:
         """Messages written so far, by the names given to `add_topic`."""
+        self._settle()
         return {name: topic.count for name, topic in self._topics.items()}
 
     @property
     def losses(self) -> dict[str, dict[str, int]]:
         """Topics with missing stamps: how many messages (`lost`) in how many places (`gaps`)."""
+        self._settle()
         return {
             name: {"lost": topic.lost, "gaps": topic.gaps}
             for name, topic in self._topics.items()
@@ -165,18 +171,13 @@ class BagWriter:
         track = self._topics.get(topic)
         if track is None:
             raise ValueError(f"topic {topic!r} was not announced")
-        track.count += 1
-        if track.period_ns and stamp_ns - track.last_ns != track.period_ns:
-            self._note_gap(track, stamp_ns)
-        track.last_ns = stamp_ns
-        if stamp_ns < self._start_ns:
-            self._start_ns = stamp_ns
-        if stamp_ns > self._end_ns:
-            self._end_ns = stamp_ns
+        track.stamps.append(stamp_ns)
+        track.waiting.append(data)
+        self._waiting += 1
+        if stamp_ns < self._next_flush and self._waiting < MOST_WAITING:
+            return
         try:
-            self._file.add_message(track.channel, stamp_ns, data)
-            if stamp_ns >= self._next_flush:
-                self._flush(stamp_ns)
+            self._flush(stamp_ns)
         except OSError as error:
             self._give_up()
             reason = error.strerror or str(error)
@@ -197,6 +198,7 @@ class BagWriter:
         self.custom_data |= _checked(extra_custom_data or {})
         self._open = False
         try:
+            self._settle()
             self._file.close(dump_yaml(self._information()))
             if self._packs:
                 self._packed = _pack(self._file.path).name
@@ -211,13 +213,24 @@ class BagWriter:
         with contextlib.suppress(OSError):
             self._write_metadata()
 
-    def _note_gap(self, track: RecordedTopic, stamp_ns: int) -> None:
-        missing = (stamp_ns - track.last_ns) // track.period_ns - 1
-        if track.last_ns >= 0 and missing > 0:
-            track.lost += missing
-            track.gaps += 1
+    def _settle(self) -> None:
+        """Hand what waits to the file, topic by topic."""
+        if not self._waiting:
+            return
+        self._waiting = 0
+        for track in self._topics.values():
+            if track.waiting:
+                stamps, waiting = np.array(track.stamps), track.waiting
+                track.stamps, track.waiting = [], []
+                track.count_in(stamps)
+                self._start_ns = min(self._start_ns, int(stamps.min()))
+                self._end_ns = max(self._end_ns, int(stamps.max()))
+                for first, last in _same_size(waiting):
+                    size, data = len(waiting[first]), b"".join(waiting[first:last])
+                    self._file.add_messages(track.channel, stamps[first:last], size, data)
 
     def _flush(self, stamp_ns: int) -> None:
+        self._settle()
         self._file.flush()
         self._flushed_ns = self._end_ns
         self._next_flush = stamp_ns + FLUSH_INTERVAL_NS
@@ -237,6 +250,13 @@ class BagWriter:
     def _write_metadata(self) -> None:
         document = {"rosbag2_bagfile_information": self._information()}
         write_atomically(self.folder / METADATA_FILE, dump_yaml(document))
+
+
+def _same_size(messages: list[bytes]) -> list[tuple[int, int]]:
+    """First and behind the last of every run of messages of one size."""
+    sizes = np.fromiter(map(len, messages), dtype=np.int64, count=len(messages))
+    ends = [0, *(np.flatnonzero(np.diff(sizes)) + 1).tolist(), len(messages)]
+    return list(itertools.pairwise(ends))
 
 
 def _pack(path: Path) -> Path:

@@ -25,7 +25,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 import yaml
+from numpy.typing import NDArray
 
 PACKED_SUFFIX = ".zstd"
 """Ending of a storage file that was compressed as a whole."""
@@ -67,10 +69,12 @@ class RecordedTopic:
         qos: profile, see `qos_profile`.
         period_ns: distance of two stamps, 0 if irregular.
         channel: number in the MCAP file.
-        count: messages written.
+        count: messages settled.
         last_ns: newest stamp, -1 before the first message.
         lost: messages missing between the first and the newest stamp.
         gaps: places where they are missing.
+        stamps: of messages that wait to be settled.
+        waiting: these messages.
     """
 
     name: str
@@ -83,6 +87,18 @@ class RecordedTopic:
     last_ns: int = -1
     lost: int = 0
     gaps: int = 0
+    stamps: list[int] = field(default_factory=list, repr=False)
+    waiting: list[bytes] = field(default_factory=list, repr=False)
+
+    def count_in(self, stamps: NDArray[np.int64]) -> None:
+        """Count messages with the next stamps [ns], and what is missing between them."""
+        self.count += len(stamps)
+        if self.period_ns:
+            known = stamps if self.last_ns < 0 else np.concatenate(([self.last_ns], stamps))
+            missing = np.diff(known) // self.period_ns - 1
+            self.lost += int(missing[missing > 0].sum())
+            self.gaps += int(np.count_nonzero(missing > 0))
+        self.last_ns = int(stamps[-1])
 
 
 class _Dumper(yaml.CSafeDumper if yaml.__with_libyaml__ else yaml.SafeDumper):  # type: ignore[misc]

@@ -1,4 +1,4 @@
-"""A flight on the ROS 2 graph: every node a process of its own, one parent that watches and ends them."""
+"""A flight on the ROS 2 graph: every node a process of its own, or all in one; a parent watches and ends them."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ from heli_flight.progress import Progress, parse
 from heli_flight.warm_up import is_warm, warm_up
 
 READ_SECONDS = 0.1
+COMPOSED = "composed"
+"""Name of the process that holds all nodes."""
 
 
 def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callable[[str], None]) -> FlightEnd:
@@ -37,8 +39,7 @@ def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callab
     with tempfile.TemporaryDirectory(prefix="heli_") as folder:
         notes = Path(folder) / "notes.json"
         notes.write_text(json.dumps(order.notes()))
-        commands = {each.name: command(each, order, notes) for each in processes(order.identified)}
-        with ProcessGroup(commands, environment()) as group:
+        with ProcessGroup(_commands(order, notes), environment()) as group:
             watch = _Watch(group, tell, warn, order.mode)
             try:
                 watch.until_over()
@@ -48,10 +49,26 @@ def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callab
     return FlightEnd(watch.code, watch.reason, watch.progress.time, perf_counter() - started)
 
 
+def _commands(order: FlightOrder, notes: Path) -> dict[str, list[str]]:
+    """Command lines of the processes of a flight, by the name of the process."""
+    if order.mode is not Mode.COMPOSED:
+        return {each.name: command(each, order, notes) for each in processes(order.identified)}
+    file = notes.with_name("composed.json")
+    arguments = {each.name: ros_arguments(each, order, notes) for each in processes(order.identified)}
+    file.write_text(json.dumps(arguments))
+    return {COMPOSED: [sys.executable, "-m", "heli_flight.nodes.composed_node", str(file)]}
+
+
 def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:
     """Command line of a node for a flight."""
     program = order.replaced.get(process.name)
-    words = [sys.executable, *(("-m", process.module) if program is None else (str(program),)), "--ros-args"]
+    called = ("-m", process.module) if program is None else (str(program),)
+    return [sys.executable, *called, *ros_arguments(process, order, notes)]
+
+
+def ros_arguments(process: Process, order: FlightOrder, notes: Path) -> list[str]:
+    """What a node of a flight is told."""
+    words = ["--ros-args"]
     if order.namespace:
         words += ["-r", f"__ns:=/{order.namespace}"]
     if order.parameters is not None:
@@ -72,6 +89,7 @@ class _Watch:
         mode: Mode,
     ) -> None:
         self._group, self._tell, self._warn = group, tell, warn
+        self._ending = {COMPOSED} if mode is Mode.COMPOSED else {topics.BENCH_SIM, topics.RECORDER}
         self._spared: set[str] = set(topics.OPTIONAL_NODES) if mode is Mode.REALTIME else set()
         self._told: set[str] = set()
         self._last_error: dict[str, str] = {}
@@ -79,16 +97,16 @@ class _Watch:
         self.code, self.reason = EXIT_FLOWN, ""
 
     def until_over(self) -> None:
-        """Until bench and recorder have ended by themselves, or any node has failed."""
+        """Until those that end by themselves have ended, or any node has failed."""
         while True:
             self.take(self._group.read(READ_SECONDS))
             exited = self._spare(self._group.exited())
             failed = {name: code for name, code in exited.items() if code != 0}
-            if failed or exited.keys() - {topics.BENCH_SIM, topics.RECORDER}:
+            if failed or exited.keys() - self._ending:
                 self.take(self._group.stop())
                 self._fail(failed or exited)
                 return
-            if {topics.BENCH_SIM, topics.RECORDER} <= exited.keys():
+            if self._ending <= exited.keys():
                 if self.progress.state is FlightState.FAULT:
                     self.code, self.reason = EXIT_SAFETY_STOP, self.progress.reason
                 return
@@ -118,7 +136,7 @@ class _Watch:
                 self._last_error[line.process] = line.text.strip()
 
     def _fail(self, exited: dict[str, int]) -> None:
-        order = [name for name in NODE_NAMES if name in exited]
+        order = [name for name in (*NODE_NAMES, COMPOSED) if name in exited]
         bad_input = [name for name in order if exited[name] == EXIT_BAD_INPUT]
         name = (bad_input or order)[0]
         self.reason = self._last_error.get(name, _how(name, exited[name]))

@@ -11,10 +11,10 @@ from __future__ import annotations
 import os
 import struct
 import zlib
-from array import array
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import zstandard
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
@@ -31,16 +31,26 @@ from mcap.records import (
     Schema,
     Statistics,
 )
+from numpy.typing import NDArray
 
 MAGIC = b"\x89MCAP0\r\n"
 LIBRARY = "heli_flight"
 """Named in the header: this file has a footer although its recorder may not have closed it."""
 
 CHUNK_BYTES = 512 * 1024
-_MESSAGE = struct.Struct("<BQHIQQ")
+_MESSAGE = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_time", "<u8"),
+        ("publish_time", "<u8"),
+    ]
+)
 _INDEX = struct.Struct("<BQHI")
 _FOOTER_HEAD = struct.Struct("<BQQQ")
-_FIXED = _MESSAGE.size - 9
+_FIXED = _MESSAGE.itemsize - 9
 _WRITABLE = 0o644
 
 
@@ -72,7 +82,7 @@ class McapFile:
         self._chunk_count = 0
         self._counts: dict[int, int] = {}
         self._first_ns, self._last_ns = 2**63 - 1, 0
-        self._waiting: dict[int, tuple[list[bytes], array[int]]] = {}
+        self._waiting: dict[int, list[tuple[bytes, NDArray[np.int64], int]]] = {}
         self._size = self._chunk_last_ns = 0
         self._chunk_first_ns = 2**63 - 1
 
@@ -96,7 +106,7 @@ class McapFile:
         self._channels.append(_record(Channel(number, topic, "cdr", dict(about), schema)))
         self._pending += self._channels[-1]
         self._counts[number] = 0
-        self._waiting[number] = ([], array("Q"))
+        self._waiting[number] = []
         return number
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
@@ -107,23 +117,31 @@ class McapFile:
         self._metadata.append(_record(MetadataIndex(place, len(record), name)))
         self._pending += record
 
-    def add_message(self, channel: int, stamp_ns: int, data: bytes) -> None:
-        """Append a message; log time and publish time are its stamp [ns].
+    def add_messages(self, channel: int, stamps: NDArray[np.int64], size: int, data: bytes) -> None:
+        """Append messages of one size; log time and publish time of each is its stamp [ns].
+
+        Args:
+            channel: of `add_channel`.
+            stamps: of the messages [ns], shape (n,).
+            size: bytes of each.
+            data: the messages behind each other.
 
         Raises:
             OSError: the file cannot be written.
         """
-        count = self._counts[channel]
-        self._counts[channel] = count + 1
-        head = _MESSAGE.pack(Opcode.MESSAGE, _FIXED + len(data), channel, count, stamp_ns, stamp_ns)
-        parts, stamps = self._waiting[channel]
-        parts += (head, data)
-        stamps.append(stamp_ns)
-        self._size += len(head) + len(data)
-        if stamp_ns < self._chunk_first_ns:
-            self._chunk_first_ns = stamp_ns
-        if stamp_ns > self._chunk_last_ns:
-            self._chunk_last_ns = stamp_ns
+        count = len(stamps)
+        records = np.empty((count, _MESSAGE.itemsize + size), dtype=np.uint8)
+        head = np.zeros(count, dtype=_MESSAGE)
+        head["opcode"], head["length"], head["channel"] = Opcode.MESSAGE, _FIXED + size, channel
+        head["sequence"] = self._counts[channel] + np.arange(count)
+        head["log_time"] = head["publish_time"] = stamps
+        records[:, : _MESSAGE.itemsize] = head.view(np.uint8).reshape(count, _MESSAGE.itemsize)
+        records[:, _MESSAGE.itemsize :] = np.frombuffer(data, dtype=np.uint8).reshape(count, size)
+        self._counts[channel] += count
+        self._waiting[channel].append((records.tobytes(), stamps, records.shape[1]))
+        self._size += records.size
+        self._chunk_first_ns = min(self._chunk_first_ns, int(stamps.min()))
+        self._chunk_last_ns = max(self._chunk_last_ns, int(stamps.max()))
         if self._size > CHUNK_BYTES:
             self.flush()
 
@@ -165,16 +183,16 @@ class McapFile:
             self._descriptor = -1
 
     def _begin_chunk(self) -> None:
-        self._waiting = {channel: ([], array("Q")) for channel in self._counts}
+        self._waiting = {channel: [] for channel in self._counts}
         self._size = 0
         self._chunk_first_ns, self._chunk_last_ns = 2**63 - 1, 0
 
     def _close_chunk(self) -> None:
         if not self._size:
             return
-        waiting = {channel: entry for channel, entry in self._waiting.items() if entry[0]}
+        waiting = {channel: blocks for channel, blocks in self._waiting.items() if blocks}
         # topic by topic: zstd finds more to leave out, and a reader takes a topic in one piece
-        data = b"".join(part for parts, _ in waiting.values() for part in parts)
+        data = b"".join(records for blocks in waiting.values() for records, _, _ in blocks)
         packed = self._compress(data) if self._compress else data
         compression = "zstd" if self._compress else ""
         first, last = self._chunk_first_ns, self._chunk_last_ns
@@ -184,13 +202,14 @@ class McapFile:
         places = {}
         index_start = len(self._pending)
         place = 0
-        for channel, (parts, stamps) in waiting.items():
+        for channel, blocks in waiting.items():
             places[channel] = self._position + len(self._pending)
-            entries = array("Q")
-            for stamp_ns, data_part in zip(stamps, parts[1::2], strict=True):
-                entries.extend((stamp_ns, place))
-                place += _MESSAGE.size + len(data_part)
-            content = entries.tobytes()
+            content = b""
+            for _, stamps, size in blocks:
+                entries = np.empty((len(stamps), 2), dtype="<u8")
+                entries[:, 0], entries[:, 1] = stamps, place + size * np.arange(len(stamps))
+                content += entries.tobytes()
+                place += size * len(stamps)
             self._pending += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(content), channel, len(content))
             self._pending += content
         length = len(self._pending) - index_start

@@ -51,7 +51,7 @@ class FlightSettings:
         return cls(
             plan=order.plan,
             plan_name=order.plan_name,
-            mode=order.mode.value,
+            mode=(Mode.LOCKSTEP if order.mode is Mode.COMPOSED else order.mode).value,
             seed=order.seed,
             controllers=(order.controller_name, *order.later_names),
             motor=order.motor_name,

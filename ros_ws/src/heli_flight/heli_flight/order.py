@@ -20,9 +20,10 @@ RECORDED_VERSIONS = ("heli_flight", "ros-jazzy-rclpy", "numpy", "scipy", "numba"
 
 
 class Mode(str, Enum):
-    """The three ways of running a flight."""
+    """The ways of running a flight."""
 
     LOCKSTEP = "lockstep"
+    COMPOSED = "composed"
     REALTIME = "realtime"
     INPROCESS = "inprocess"
 

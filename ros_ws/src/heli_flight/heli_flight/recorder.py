@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 from heli_common.flight_state import flight_state_from_code
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_common.topics import DATA_TOPICS, TOPICS
@@ -14,8 +16,9 @@ ACKNOWLEDGE_NS = 100_000_000
 class FlightRecorder:
     """Holds a message until the flight state of its stamp is known, then writes it, or drops what came after.
 
-    Topics arrive in order of their stamps but may come in bursts, one topic after the other; whichever
-    message completes a stretch of the flight makes the acknowledgement due.
+    Messages are kept as they come and looked at together, every now and then. Topics arrive in order of their
+    stamps but may come in bursts, one topic after the other; whichever message completes a stretch of the
+    flight makes the acknowledgement due.
 
     Args:
         bag: to write into.
@@ -28,40 +31,39 @@ class FlightRecorder:
     def __init__(self, bag: BagWriter, topics: tuple[str, ...] = DATA_TOPICS) -> None:
         self.ended_at: int | None = None
         self._bag = bag
-        self._held: list[tuple[int, str, bytes]] = []
-        self._last = dict.fromkeys(topics, -1)
-        # a slow topic says nothing of the time until its next message
-        self._until_next = {name: max(0, TOPICS[name].period_ns - CONTROL_PERIOD_NS) for name in topics}
-        self._stamps = {topic: TOPICS[topic].layout.stamp for topic in topics}
-        self._state_layout = TOPICS["flight_state"].layout
+        self._tracks = {topic: _Track(topic) for topic in topics}
         self._acknowledged_ns = -1
 
     @property
     def complete_until(self) -> int:
         """Stamp up to which every topic has arrived [ns]."""
-        return min(last + (self._until_next[topic] if last >= 0 else 0) for topic, last in self._last.items())
+        return min(track.complete_until for track in self._tracks.values())
 
     @property
     def complete(self) -> bool:
         """Whether the flight has ended and everything of it has arrived."""
         return self.ended_at is not None and self.complete_until >= self.ended_at
 
-    def receive(self, topic: str, data: bytes) -> int | None:
-        """Take a serialized message in.
+    def receive(self, topic: str, data: bytes) -> None:
+        """Take a serialized message in."""
+        self._tracks[topic].arrived.append(data)
+
+    def settle(self) -> int | None:
+        """Write what has arrived, as far as the flight state is known.
 
         Returns:
             the stamp to acknowledge [ns], or None if nothing is due.
+
+        Raises:
+            ValueError: a message of another size than agreed.
+            OSError: the bag cannot be written any more.
         """
-        stamp_ns = self._stamps[topic](data)
-        self._last[topic] = stamp_ns
-        self._held.append((stamp_ns, topic, data))
-        if topic == "flight_state":
-            state = flight_state_from_code(self._state_layout.unpack(data)[1][0])
-            if self.ended_at is None and state.ended:
-                self.ended_at = stamp_ns
-            self.release(stamp_ns)
-        elif self.ended_at is not None:
-            self.release(self.ended_at)
+        for track in self._tracks.values():
+            track.read()
+        state = self._tracks.get("flight_state")
+        if state is not None:
+            self._look_for_end(state)
+            self._release(state.last)
         complete = self.complete_until
         if complete - self._acknowledged_ns >= ACKNOWLEDGE_NS or (
             self.complete and complete > self._acknowledged_ns
@@ -70,18 +72,46 @@ class FlightRecorder:
             return complete
         return None
 
-    def release(self, until_ns: int) -> None:
-        """Write what is held up to a stamp, but nothing after the end of the flight."""
-        end = until_ns if self.ended_at is None else min(until_ns, self.ended_at)
-        kept = []
-        for entry in self._held:
-            if entry[0] <= end:
-                self._bag.write(entry[1], entry[0], entry[2])
-            else:
-                kept.append(entry)
-        self._held = kept
-
     def close(self, remarks: dict[str, str]) -> None:
         """Write what is still held of the flight and finish the bag."""
-        self.release(self.ended_at if self.ended_at is not None else 2**62)
+        self.settle()
+        self._release(2**62)
         self._bag.close(remarks)
+
+    def _look_for_end(self, state: _Track) -> None:
+        for stamp_ns, data in state.held:
+            if self.ended_at is None and flight_state_from_code(state.layout.unpack(data)[1][0]).ended:
+                self.ended_at = stamp_ns
+
+    def _release(self, until_ns: int) -> None:
+        """Write what is held up to a stamp, but nothing after the end of the flight."""
+        end = until_ns if self.ended_at is None else min(until_ns, self.ended_at)
+        for topic, track in self._tracks.items():
+            held = track.held
+            while held and held[0][0] <= end:
+                stamp_ns, data = held.popleft()
+                self._bag.write(topic, stamp_ns, data)
+
+
+class _Track:
+    """What has come of one topic and is not written yet."""
+
+    def __init__(self, topic: str) -> None:
+        self.layout = TOPICS[topic].layout
+        self.arrived: list[bytes] = []
+        self.held: deque[tuple[int, bytes]] = deque()
+        self.last = -1
+        # a slow topic says nothing of the time until its next message
+        self._until_next = max(0, TOPICS[topic].period_ns - CONTROL_PERIOD_NS)
+
+    @property
+    def complete_until(self) -> int:
+        """Stamp up to which the topic has arrived [ns]."""
+        return self.last + (self._until_next if self.last >= 0 else 0)
+
+    def read(self) -> None:
+        """Hold what has arrived by its stamps."""
+        if self.arrived:
+            arrived, self.arrived = self.arrived, []
+            self.held += zip(map(self.layout.stamp, arrived), arrived, strict=True)
+            self.last = self.held[-1][0]

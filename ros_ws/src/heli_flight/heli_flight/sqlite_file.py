@@ -11,6 +11,9 @@ import sqlite3
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from heli_flight.bag_metadata import METADATA_VERSION, ROS_DISTRO
 
 SCHEMA_VERSION = 4
@@ -75,9 +78,10 @@ class SqliteFile:
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
         """sqlite3 files have no place for remarks; metadata.yaml has them."""
 
-    def add_message(self, channel: int, stamp_ns: int, data: bytes) -> None:
-        """Append a message with its stamp [ns]."""
-        self._waiting.append((channel, stamp_ns, data))
+    def add_messages(self, channel: int, stamps: NDArray[np.int64], size: int, data: bytes) -> None:
+        """Append messages of one size, see `McapFile.add_messages`."""
+        for number, stamp_ns in enumerate(stamps.tolist()):
+            self._waiting.append((channel, stamp_ns, data[size * number : size * (number + 1)]))
 
     def flush(self) -> None:
         """Commit everything.

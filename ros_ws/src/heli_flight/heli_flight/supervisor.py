@@ -44,7 +44,8 @@ class Supervisor:
     """
 
     name = SUPERVISOR
-    inputs: tuple[str, ...] = ("odometry", "rotor_state")
+    inputs: tuple[str, ...] = ("rotor_state", "odometry")
+    waking: tuple[str, ...] = ("odometry",)
     outputs: tuple[str, ...] = ("flight_state", "reference")
 
     def __init__(self, limits: FlightLimits, plan: Plan | None = None) -> None:

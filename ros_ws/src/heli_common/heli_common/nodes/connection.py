@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from time import monotonic
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -13,6 +13,7 @@ from std_msgs.msg import String
 
 from heli_common.component import Message
 from heli_common.errors import InputError
+from heli_common.nodes.inbox import Inbox, OnMessage
 from heli_common.nodes.messages import diagnostic, message_class
 from heli_common.nodes.qos import DATA, LATCHED, READY
 from heli_common.topics import TOPICS, listeners
@@ -31,7 +32,9 @@ class Connection:
         node: the ROS node.
         name: what this node is in the table of topics; the ROS name may be remapped.
         running: the nodes of this graph. Every publisher waits for those among them that listen to it.
-        on_message: called with topic and serialized message; never before `open` returned True.
+        inputs: topics of the table that it hears.
+        outputs: topics of the table that it speaks on.
+        waking: inputs that come last in a burst, see `Inbox`.
     """
 
     def __init__(
@@ -41,7 +44,7 @@ class Connection:
         running: tuple[str, ...],
         inputs: Iterable[str],
         outputs: Iterable[str],
-        on_message: Callable[[str, bytes], object],
+        waking: Iterable[str] = (),
     ) -> None:
         self.node, self.name, self.running = node, name, running
         self.is_open = False
@@ -58,18 +61,12 @@ class Connection:
         self._ways_out = {
             topic: (publisher.publish, layouts[topic].pack) for topic, publisher in self._publishers.items()
         }
-        self._subscriptions = [self._subscribe(topic, on_message) for topic in inputs]
+        self.inbox = Inbox(node, inputs, waking)
+        self._inputs = tuple(inputs)
+        self._sent = False
         self._diagnostics = node.create_publisher(DiagnosticArray, "diagnostics", DATA)
         self._ready = node.create_publisher(String, "ready", LATCHED)
         self._others = node.create_subscription(String, "ready", self._on_ready, READY)
-
-    def _subscribe(self, topic: str, on_message: Callable[[str, bytes], object]) -> object:
-        def deliver(data: bytes) -> None:
-            if self.is_open:
-                on_message(topic, data)
-
-        kind = message_class(TOPICS[topic].layout.ros_type)
-        return self.node.create_subscription(kind, topic, deliver, DATA, raw=True)
 
     def _on_ready(self, message: String) -> None:
         name = message.data.partition(" ")[0]
@@ -86,6 +83,7 @@ class Connection:
         """
         if self.is_open:
             return True
+        self.inbox.discard()
         if self._twin:
             place = f"namespace {self.node.get_namespace()}"
             raise InputError(
@@ -113,14 +111,26 @@ class Connection:
             expected = listeners(topic, self.running)
             if publisher.get_subscription_count() < len(expected):
                 absent.append(f"{' or '.join(expected)} ({topic})")
-        for subscription in self._subscriptions:
-            topic = subscription.topic_name  # type: ignore[attr-defined]
-            if self.node.count_publishers(topic) == 0:
+        for topic in self._inputs:
+            if self.inbox.publisher_count(topic) == 0:
                 absent.append(f"the publisher of {topic}")
         return absent
 
+    def take(self, on_message: OnMessage) -> int:
+        """Deliver every message that has arrived; returns how many.
+
+        Args:
+            on_message: called with topic and serialized message.
+        """
+        self._sent = False
+        count = self.inbox.take(on_message)
+        if not self._sent:
+            self.inbox.incomplete()
+        return count
+
     def publish(self, messages: Iterable[Message]) -> None:
         """Send messages of this node's output topics."""
+        self._sent = True
         for topic, stamp_ns, values in messages:
             publish, pack = self._ways_out[topic]
             publish(pack(stamp_ns, values))

@@ -1,17 +1,17 @@
-"""Runs one program as a ROS 2 node: main loop, signals, readiness, failure and exit code (spec 7.2, 7.4).
+"""Runs programs as ROS 2 nodes: main loop, signals, readiness, failure and exit code (spec 7.2, 7.4).
 
-The main loop never waits without a timeout, which the events executor of this rclpy does not survive, and
-ends on a flag that its own signal handlers set, so that a node can drain what it holds.
+A node has a process of its own, or several share one (composed). Data messages are taken by hand (`Inbox`);
+the executor serves what is not urgent: parameters, services, diagnostics. The loop never waits without a
+timeout and ends on a flag that its own signal handlers set, so that a node can drain what it holds.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
+from time import monotonic
 
 from heli_common.nodes.signals import STOP
 
@@ -21,111 +21,30 @@ import rclpy  # noqa: E402  (signal handlers first: rclpy's own would tear the c
 from rclpy.exceptions import ROSInterruptException  # noqa: E402
 from rclpy.executors import ExternalShutdownException  # noqa: E402
 from rclpy.experimental import EventsExecutor  # noqa: E402
+from rclpy.impl.implementation_singleton import rclpy_implementation  # noqa: E402
 from rclpy.node import Node  # noqa: E402
 from rclpy.signals import SignalHandlerOptions  # noqa: E402
 from rclpy.task import Future  # noqa: E402
 
-from heli_common.component import Component, Message  # noqa: E402
-from heli_common.errors import (  # noqa: E402
-    EXIT_BAD_INPUT,
-    EXIT_FLOWN,
-    EXIT_SAFETY_STOP,
-    InputError,
-    SafetyStop,
-)
-from heli_common.nodes.connection import Connection  # noqa: E402
+from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, InputError  # noqa: E402
+from heli_common.nodes.inbox import wait_on  # noqa: E402
+from heli_common.nodes.node_run import WIRING_SECONDS, NodeRun  # noqa: E402
 from heli_common.nodes.parameters import declare_integer, declare_names  # noqa: E402
+from heli_common.nodes.program import ComponentProgram, Program  # noqa: E402
 from heli_common.nodes.scheduling import become_real_time  # noqa: E402
-from heli_common.topics import TOPICS  # noqa: E402
+
+__all__ = ["Build", "ComponentProgram", "Program", "run_node", "run_nodes"]
 
 MIDDLEWARE = Path(__file__).with_name("fastdds.xml")
 """Settings of the middleware, unless the environment names others."""
 
-TURN_SECONDS = 0.1
-WIRING_SECONDS = 0.01
+WAIT_SECONDS = 0.02
+"""Longest wait for data: parameters and services are looked after as often as that."""
 
-
-class Program(Protocol):
-    """What a node does between start and end; all calls come from one thread."""
-
-    name: str
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-
-    def start(self, connection: Connection) -> None:
-        """The graph is wired: the program may publish from now on."""
-        ...
-
-    def on_message(self, topic: str, data: bytes) -> None:
-        """A serialized message of an input topic."""
-        ...
-
-    def turn(self) -> float:
-        """Called between two turns of the executor; returns for how long the next may last [s]."""
-        ...
-
-    def close(self) -> None:
-        """The node ends, for whatever reason: finish files."""
-        ...
-
-    @property
-    def finished(self) -> bool:
-        """Whether the node has nothing more to do."""
-        ...
-
-
-class ComponentProgram:
-    """A component on the graph: unpack, receive, publish."""
-
-    def __init__(self, component: Component) -> None:
-        self.component = component
-        self.name, self.inputs, self.outputs = component.name, component.inputs, component.outputs
-        self.finished = False
-        self._unpack = {topic: TOPICS[topic].layout.unpack for topic in component.inputs}
-        self.connection: Connection | None = None
-
-    def start(self, connection: Connection) -> None:
-        """Keep the connection for publishing."""
-        self.connection = connection
-
-    def on_message(self, topic: str, data: bytes) -> None:
-        """Hand the numbers to the component and publish what it gives back."""
-        stamp_ns, values = self._unpack[topic](data)
-        self.publish(self.component.receive(topic, stamp_ns, values))
-
-    def publish(self, messages: list[Message]) -> None:
-        """Send messages of the component."""
-        if messages and self.connection is not None:
-            self.connection.publish(messages)
-
-    def turn(self) -> float:
-        """Nothing to do between messages."""
-        return TURN_SECONDS
-
-    def close(self) -> None:
-        """Nothing to finish."""
-
-
-class _Guard:
-    """Turns what goes wrong inside a callback into one line and an exit code."""
-
-    def __init__(self) -> None:
-        self.failure = ""
-        self.code = EXIT_FLOWN
-
-    def call(self, function: Callable[..., object], *arguments: object) -> object:
-        if self.failure:
-            return None
-        try:
-            return function(*arguments)
-        except InputError as error:
-            self.failure, self.code = str(error), EXIT_BAD_INPUT
-        except (SafetyStop, TimeoutError, ValueError, ArithmeticError, OSError) as error:
-            self.failure, self.code = str(error), EXIT_SAFETY_STOP
-        return None
-
+QUIET = ("--ros-args", "--disable-stdout-logs", "--disable-external-lib-logs")
 
 Build = Callable[[Node, tuple[str, ...]], Program]
+"""Gets the node and the names of the nodes of its graph, declares parameters and makes the program."""
 
 
 def run_node(name: str, build: Build, arguments: list[str] | None = None) -> int:
@@ -133,78 +52,121 @@ def run_node(name: str, build: Build, arguments: list[str] | None = None) -> int
 
     Args:
         name: node name, as in the table of topics.
-        build: gets the node and the names of the nodes of its graph, declares parameters and makes the
-            program; may raise InputError.
+        build: of the program; may raise InputError.
         arguments: ROS arguments, by default those of the command line.
 
     Returns:
         exit code: 0 done or asked to stop, 2 bad input, 3 safety stop.
     """
     words = sys.argv if arguments is None else [name, *arguments]
-    quiet = ["--ros-args", "--disable-stdout-logs", "--disable-external-lib-logs"]
+    return _run(words, {name: (build, None)})
+
+
+def run_nodes(builds: Mapping[str, tuple[Build, Sequence[str]]]) -> int:
+    """Run several nodes in this process, one after the other in one thread, to the end of all.
+
+    Args:
+        builds: of each node by its name: how to build its program, and its ROS arguments.
+
+    Returns:
+        exit code of the first that failed, see `run_node`.
+    """
+    return _run([sys.argv[0]], dict(builds))
+
+
+def _run(words: Sequence[str], builds: Mapping[str, tuple[Build, Sequence[str] | None]]) -> int:
+    who = " ".join(builds) if len(builds) == 1 else "composed"
     os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(MIDDLEWARE))
     try:
-        rclpy.init(args=[*words, *quiet], signal_handler_options=SignalHandlerOptions.NO)
+        rclpy.init(args=[*words, *QUIET], signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy has a class of its own for each kind of wrong argument
-        sys.stderr.write(f"{name}: {str(error).splitlines()[0]}\n")
+        sys.stderr.write(f"{who}: {str(error).splitlines()[0]}\n")
         return EXIT_BAD_INPUT
-    node = None
-    code = EXIT_FLOWN
+    nodes: list[Node] = []
+    runs: list[NodeRun] = []
+    priority = 0
     try:
-        node = rclpy.create_node(name)
-        priority = declare_integer(node, "real_time_priority", 0, "SCHED_FIFO priority, 0 for none", 0, 90)
-        text = "nodes of this graph, comma-separated: publishers wait for those among them that listen"
-        running = declare_names(node, "running", text)
-        code = _run(node, build(node, running), running, priority)
+        for who, (build, arguments) in builds.items():
+            own = {} if arguments is None else {"cli_args": list(arguments), "use_global_arguments": False}
+            nodes.append(rclpy.create_node(who, **own))  # type: ignore[arg-type]
+            text = "SCHED_FIFO priority, 0 for none"
+            priority = declare_integer(nodes[-1], "real_time_priority", 0, text, 0, 90)
+            text = "nodes of this graph, comma-separated: publishers wait for those among them that listen"
+            running = declare_names(nodes[-1], "running", text)
+            runs.append(NodeRun(nodes[-1], build(nodes[-1], running), running))
+        _Loop(runs).run(priority)
+        return next((run.code for run in runs if run.code), EXIT_FLOWN)
     except (InputError, rclpy.exceptions.ParameterException) as error:
-        sys.stderr.write(f"{name}: {error}\n")
-        code = EXIT_BAD_INPUT
+        sys.stderr.write(f"{who}: {error}\n")
+        return EXIT_BAD_INPUT
     except (KeyboardInterrupt, ExternalShutdownException, ROSInterruptException):
-        pass
+        return EXIT_FLOWN
     finally:
-        if node is not None:
+        for node in nodes:
             node.destroy_node()
         rclpy.try_shutdown()
-    return code
 
 
-def _schedule(name: str, priority: int) -> None:
-    refused = become_real_time(priority)
-    if refused:
-        sys.stderr.write(f"{name}: warning: {refused}; ordinary scheduling\n")
+class _Loop:
+    """Programs in one thread: turns, messages, and now and then the executor."""
 
+    def __init__(self, runs: Sequence[NodeRun]) -> None:
+        self._runs = runs
+        self._executor = EventsExecutor()
+        self._never: Future[None] = Future()
+        self._serve_at = 0.0
+        handles = [handle for run in runs for handle in run.inbox.handles]
+        context = runs[0].node.context.handle
+        self._set = rclpy_implementation.WaitSet(len(handles), 0, 0, 0, 0, 0, context)
+        self._handles = handles
+        for run in runs:
+            self._executor.add_node(run.node)
 
-def _close(program: Program, guard: _Guard) -> None:
-    try:
-        program.close()
-    except OSError as error:
-        sys.stderr.write(f"{program.name}: {error}\n")
-        guard.code = EXIT_SAFETY_STOP
+    def run(self, priority: int) -> None:
+        """Until a signal, a failure or the end of those that end by themselves."""
+        try:
+            while not self._over and not all(run.wire() for run in self._runs):
+                self._serve(WIRING_SECONDS)
+            self._schedule(priority)
+            idle = True
+            while not self._over:
+                self._rest(min(run.turn() for run in self._runs), idle)
+                idle = not sum([run.take() for run in self._runs])
+            for run in self._runs:
+                run.tell_failure()
+        finally:
+            for run in self._runs:
+                run.close()
+            self._set.destroy_when_not_in_use()
+            self._executor.shutdown()
 
+    @property
+    def _over(self) -> bool:
+        if STOP or any(run.failure for run in self._runs):
+            return True
+        ending = [run.program for run in self._runs if run.program.ends]
+        return bool(ending) and all(program.finished for program in ending)
 
-def _run(node: Node, program: Program, running: tuple[str, ...], priority: int) -> int:
-    guard = _Guard()
-    on_message = partial(guard.call, program.on_message)
-    connection = Connection(node, program.name, running, program.inputs, program.outputs, on_message)
-    executor = EventsExecutor()
-    executor.add_node(node)
-    never = Future()
-    started = False
-    try:
-        while not STOP and not guard.failure and not program.finished:
-            timeout = WIRING_SECONDS
-            if started:
-                timeout = guard.call(program.turn) or WIRING_SECONDS  # type: ignore[assignment]
-            elif guard.call(connection.open):
-                started = True
-                _schedule(program.name, priority)
-                guard.call(program.start, connection)
-            executor.spin_until_future_complete(never, timeout_sec=timeout)
-        if guard.failure:
-            sys.stderr.write(f"{program.name}: {guard.failure}\n")
-            connection.diagnose(0, "error", guard.failure)
-        connection.flush()
-    finally:
-        _close(program, guard)
-        executor.shutdown()
-    return guard.code
+    def _rest(self, seconds: float, idle: bool) -> None:
+        """Wait for messages, at most so long; a composed loop only when nobody had any."""
+        seconds = min(seconds, WAIT_SECONDS)
+        alone = len(self._runs) == 1
+        if alone and not self._runs[0].program.waking:
+            self._serve(seconds)
+            return
+        if monotonic() >= self._serve_at:
+            self._serve_at = monotonic() + WAIT_SECONDS
+            self._serve(0.0)
+        if alone:
+            self._runs[0].inbox.wait(seconds)
+        elif idle:
+            wait_on(self._set, self._handles, seconds)
+
+    def _serve(self, seconds: float) -> None:
+        self._executor.spin_until_future_complete(self._never, timeout_sec=seconds)
+
+    def _schedule(self, priority: int) -> None:
+        refused = become_real_time(priority)
+        if refused:
+            name = self._runs[0].program.name
+            sys.stderr.write(f"{name}: warning: {refused}; ordinary scheduling\n")

@@ -48,7 +48,7 @@ def add_parser(words: Any) -> None:
         choices=[mode.value for mode in Mode],
         default=Mode.REALTIME.value,
         help="realtime: paced by the clock (default); lockstep: as fast as the graph goes; "
-        "inprocess: without ROS",
+        "composed: the same in one process; inprocess: without ROS",
     )
     fly.add_argument("--seed", type=int, help="seed of every random number (default: the plan's)")
     fly.add_argument(
@@ -157,7 +157,7 @@ def _namespace(name: str, mode: str) -> str:
 
 def _replaced(words: list[str], mode: str) -> dict[str, Path]:
     """Programs by the name of the node whose place they take."""
-    if words and mode == Mode.INPROCESS.value:
+    if words and mode in (Mode.INPROCESS.value, Mode.COMPOSED.value):
         allowed = "realtime, lockstep: a program of one's own is a process"
         raise InputError(f"in mode {mode}", allowed=allowed, key="--replace")
     programs = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from time import monotonic, perf_counter
+from time import monotonic
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.node import Node
@@ -18,7 +18,7 @@ from heli_flight.recorder import FlightRecorder
 
 DIAGNOSTICS = "diagnostics"
 CLOSING_SECONDS = 3.0
-TURN_SECONDS = 0.05
+TURN_SECONDS = 0.02
 
 
 class RecorderProgram:
@@ -33,6 +33,8 @@ class RecorderProgram:
 
     name = RECORDER
     outputs: tuple[str, ...] = ("recorder_ack",)
+    waking: tuple[str, ...] = ()
+    ends = True
 
     def __init__(self, node: Node, bag: BagWriter, topics: tuple[str, ...], real_time: bool) -> None:
         self.inputs = topics
@@ -42,7 +44,7 @@ class RecorderProgram:
         self._arrivals = Arrivals(topics) if real_time else None
         if self._arrivals is not None:
             bag.remarks = self._arrivals.remarks
-        self._closing_since = 0.0
+        self._closing_since = self._settle_at = 0.0
         self._said: dict[str, str] = {}
         self._bench_ended = False
         self._connection: Connection | None = None
@@ -55,12 +57,10 @@ class RecorderProgram:
         self._connection = connection
 
     def on_message(self, topic: str, data: bytes) -> None:
-        """Record a message and acknowledge what is complete."""
-        if self._arrivals is not None:
-            self._arrivals.note(topic, data, perf_counter())
-        acknowledged = self._recorder.receive(topic, data)
-        if acknowledged is not None and self._connection is not None:
-            self._connection.publish([Message("recorder_ack", acknowledged, ())])
+        """Keep a message."""
+        self._recorder.receive(topic, data)
+        if self._arrivals is not None and self._connection is not None:
+            self._arrivals.note(topic, data, self._connection.inbox.arrived_ns * 1e-9)
 
     def _on_diagnostics(self, data: bytes) -> None:
         array = deserialize_message(data, DiagnosticArray)
@@ -74,7 +74,13 @@ class RecorderProgram:
                 self._bench_ended = status.message == "ended"
 
     def turn(self) -> float:
-        """After the end: finish when the bag is complete and the bench has told its last figures."""
+        """Write and acknowledge; after the end, finish when bag and the bench's last figures are complete."""
+        if monotonic() < self._settle_at:
+            return TURN_SECONDS
+        acknowledged = self._recorder.settle()
+        if acknowledged is not None and self._connection is not None:
+            self._connection.publish([Message("recorder_ack", acknowledged, ())])
+        self._settle_at = monotonic() + TURN_SECONDS / 2
         if self._recorder.ended_at is not None:
             now = monotonic()
             self._closing_since = self._closing_since or now

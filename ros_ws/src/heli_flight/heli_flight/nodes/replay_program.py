@@ -43,6 +43,8 @@ class ReplayProgram:
 
     name = REPLAY
     inputs: tuple[str, ...] = ()
+    waking: tuple[str, ...] = ()
+    ends = True
 
     def __init__(
         self, node: Node, messages: list[Recorded], topics: tuple[str, ...], playback: Playback

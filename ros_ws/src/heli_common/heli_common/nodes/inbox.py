@@ -1,0 +1,117 @@
+"""Data messages taken by hand: a node is woken once for a burst of messages, not once for each (spec 7.1).
+
+An executor is told of every single message by the middleware's thread and wakes the node's thread for it.
+Here the node waits on the topic that comes last in a burst and then takes whatever has arrived on all. The
+executor knows nothing of these subscriptions and goes on to serve parameters, services and timers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.subscription import Subscription
+
+from heli_common.nodes.messages import message_class
+from heli_common.nodes.qos import DATA
+from heli_common.topics import TOPICS
+
+OnMessage = Callable[[str, bytes], object]
+"""Called with topic and serialized message."""
+
+
+def _unused(_data: bytes) -> None:
+    """Callback that rclpy asks for; messages are taken by hand."""
+
+
+class Inbox:
+    """The data subscriptions of one node.
+
+    Args:
+        node: that subscribes.
+        topics: of the table of topics.
+        waking: those that come last in a burst: a message on one of them ends the wait. When a wait ended
+            without such a message, or what it brought was no complete burst, the next one ends with any.
+
+    Attributes:
+        arrived_ns: when the middleware got the message being delivered [ns of the system clock].
+    """
+
+    def __init__(self, node: Node, topics: Iterable[str], waking: Iterable[str] = ()) -> None:
+        self.arrived_ns = 0
+        self._subscriptions = {topic: _subscribe(node, topic) for topic in topics}
+        self._sources = [
+            (topic, subscription.handle.take_message, subscription.msg_type)
+            for topic, subscription in self._subscriptions.items()
+        ]
+        self._handles = [subscription.handle for subscription in self._subscriptions.values()]
+        self._waking = frozenset(waking)
+        self._last = [self._subscriptions[topic].handle for topic in self._waking]
+        self._set = rclpy_implementation.WaitSet(len(self._handles), 0, 0, 0, 0, 0, node.context.handle)
+        self._whole = False
+
+    def publisher_count(self, topic: str) -> int:
+        """How many publishers the middleware has matched with the subscription."""
+        return int(self._subscriptions[topic].get_publisher_count())
+
+    def wait(self, seconds: float) -> None:
+        """Until a burst has come, or the time is over."""
+        wait_on(self._set, self._last if self._whole else self._handles, seconds)
+
+    def take(self, on_message: OnMessage) -> int:
+        """Deliver everything that has arrived, topic by topic; returns how many messages."""
+        count, woken = 0, False
+        for topic, take, kind in self._sources:
+            taken = take(kind, True)
+            if taken is not None and topic in self._waking:
+                woken = True
+            while taken is not None:
+                count += 1
+                data, about = taken
+                self.arrived_ns = about["received_timestamp"]
+                on_message(topic, data)
+                taken = take(kind, True)
+        self._whole = woken
+        return count
+
+    def discard(self) -> None:
+        """Forget everything that has arrived."""
+        self.take(lambda _topic, _data: None)
+
+    @property
+    def handles(self) -> list[Any]:
+        """Of every subscription, for a wait on several nodes."""
+        return self._handles
+
+    def incomplete(self) -> None:
+        """What was taken last led to nothing: the rest of the burst may come on any topic."""
+        self._whole = False
+
+    def close(self) -> None:
+        """Give wait set and subscriptions back before the context goes."""
+        self._set.destroy_when_not_in_use()
+        for subscription in self._subscriptions.values():
+            subscription.destroy()
+
+
+def wait_on(wait_set: Any, handles: Iterable[Any], seconds: float) -> None:
+    """Wait until one of some subscriptions has a message, or the time is over.
+
+    Args:
+        wait_set: large enough.
+        handles: of the subscriptions.
+        seconds: longest wait.
+    """
+    wait_set.clear_entities()
+    for handle in handles:
+        wait_set.add_subscription(handle)
+    wait_set.wait(int(seconds * 1e9))
+
+
+def _subscribe(node: Node, topic: str) -> Subscription[Any]:
+    kind = message_class(TOPICS[topic].layout.ros_type)
+    subscription = node.create_subscription(kind, topic, _unused, DATA, raw=True)
+    node._subscriptions.remove(subscription)  # out of the executor's sight, not out of the graph
+    return subscription

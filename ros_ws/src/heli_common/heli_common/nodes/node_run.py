@@ -1,0 +1,81 @@
+"""One program on its ROS node: wiring, messages, failure."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import TypeVar
+
+from rclpy.node import Node
+
+from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_SAFETY_STOP, InputError, SafetyStop
+from heli_common.nodes.connection import Connection
+from heli_common.nodes.program import Program
+
+WIRING_SECONDS = 0.01
+
+Result = TypeVar("Result")
+
+
+class NodeRun:
+    """A program and its connection; what goes wrong in it becomes one line and an exit code.
+
+    Args:
+        node: of the program.
+        program: to be run.
+        running: the nodes of its graph.
+
+    Attributes:
+        code: exit code so far.
+        failure: why the program stopped, empty while it runs.
+        started: whether the graph is wired.
+    """
+
+    def __init__(self, node: Node, program: Program, running: tuple[str, ...]) -> None:
+        self.node, self.program = node, program
+        self.code, self.failure, self.started = EXIT_FLOWN, "", False
+        waking = program.waking
+        self.connection = Connection(node, program.name, running, program.inputs, program.outputs, waking)
+        self.inbox = self.connection.inbox
+
+    def wire(self) -> bool:
+        """Whether the node may act, which it does from the first time on."""
+        if not self.started and self._guarded(self.connection.open, False):
+            self.started = True
+            self._guarded(lambda: self.program.start(self.connection), None)
+        return self.started
+
+    def turn(self) -> float:
+        """Let the program act between messages; returns for how long it may wait [s]."""
+        return self._guarded(self.program.turn, WIRING_SECONDS)
+
+    def take(self) -> int:
+        """Hand over every message that has arrived; returns how many."""
+        return self._guarded(lambda: self.connection.take(self.program.on_message), 0)
+
+    def tell_failure(self) -> None:
+        """Say on standard error and on `diagnostics` why the program stopped."""
+        if self.failure:
+            sys.stderr.write(f"{self.program.name}: {self.failure}\n")
+            self.connection.diagnose(0, "error", self.failure)
+        self.connection.flush()
+
+    def close(self) -> None:
+        """Let the program finish its files and give the node back."""
+        try:
+            self.program.close()
+        except OSError as error:
+            sys.stderr.write(f"{self.program.name}: {error}\n")
+            self.code = EXIT_SAFETY_STOP
+        self.inbox.close()
+
+    def _guarded(self, act: Callable[[], Result], otherwise: Result) -> Result:
+        if self.failure:
+            return otherwise
+        try:
+            return act()
+        except InputError as error:
+            self.failure, self.code = str(error), EXIT_BAD_INPUT
+        except (SafetyStop, TimeoutError, ValueError, ArithmeticError, OSError) as error:
+            self.failure, self.code = str(error), EXIT_SAFETY_STOP
+        return otherwise
