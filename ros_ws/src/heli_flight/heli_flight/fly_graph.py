@@ -1,4 +1,4 @@
-"""A flight on the ROS 2 graph: every node a process of its own, or all in one; a parent watches and ends them."""
+"""A flight on the ROS 2 graph: a process for every node, or one for all; a parent watches and ends them."""
 
 from __future__ import annotations
 

@@ -124,7 +124,7 @@ class Connection:
         """
         self._sent = False
         count = self.inbox.take(on_message)
-        if not self._sent:
+        if count and not self._sent:
             self.inbox.incomplete()
         return count
 

@@ -21,6 +21,9 @@ from heli_common.topics import TOPICS
 OnMessage = Callable[[str, bytes], object]
 """Called with topic and serialized message."""
 
+_Source = tuple[str, Callable[[Any, bool], Any], Any]
+"""Topic, how to take a message from it, class of its messages."""
+
 
 def _unused(_data: bytes) -> None:
     """Callback that rclpy asks for; messages are taken by hand."""
@@ -42,13 +45,14 @@ class Inbox:
     def __init__(self, node: Node, topics: Iterable[str], waking: Iterable[str] = ()) -> None:
         self.arrived_ns = 0
         self._subscriptions = {topic: _subscribe(node, topic) for topic in topics}
-        self._sources = [
-            (topic, subscription.handle.take_message, subscription.msg_type)
-            for topic, subscription in self._subscriptions.items()
-        ]
         self._handles = [subscription.handle for subscription in self._subscriptions.values()]
-        self._waking = frozenset(waking)
-        self._last = [self._subscriptions[topic].handle for topic in self._waking]
+        last = set(waking)
+        sources: list[_Source] = [
+            (topic, each.handle.take_message, each.msg_type) for topic, each in self._subscriptions.items()
+        ]
+        self._ends = [source for source in sources if source[0] in last]
+        self._begins = [source for source in sources if source[0] not in last]
+        self._last = [self._subscriptions[topic].handle for topic, _, _ in self._ends]
         self._set = rclpy_implementation.WaitSet(len(self._handles), 0, 0, 0, 0, 0, node.context.handle)
         self._whole = False
 
@@ -61,24 +65,35 @@ class Inbox:
         wait_on(self._set, self._last if self._whole else self._handles, seconds)
 
     def take(self, on_message: OnMessage) -> int:
-        """Deliver everything that has arrived, topic by topic; returns how many messages."""
-        count, woken = 0, False
-        for topic, take, kind in self._sources:
-            taken = take(kind, True)
-            if taken is not None and topic in self._waking:
-                woken = True
-            while taken is not None:
+        """Deliver what has come, what ends a burst after the rest.
+
+        Returns:
+            how many messages; 0 if nothing has come, or only the beginning of a burst.
+        """
+        ends = [(topic, taken) for topic, take, kind in self._ends if (taken := take(kind, True)) is not None]
+        if self._whole and not ends:
+            return 0
+        self._whole = bool(ends)
+        count = len(ends) + self._drain(self._begins, on_message)
+        for topic, (data, about) in ends:
+            self.arrived_ns = about["received_timestamp"]
+            on_message(topic, data)
+        return count + self._drain(self._ends, on_message)
+
+    def _drain(self, sources: list[_Source], on_message: OnMessage) -> int:
+        count = 0
+        for topic, take, kind in sources:
+            while (taken := take(kind, True)) is not None:
                 count += 1
                 data, about = taken
                 self.arrived_ns = about["received_timestamp"]
                 on_message(topic, data)
-                taken = take(kind, True)
-        self._whole = woken
         return count
 
     def discard(self) -> None:
         """Forget everything that has arrived."""
         self.take(lambda _topic, _data: None)
+        self._whole = False
 
     @property
     def handles(self) -> list[Any]:
@@ -86,7 +101,7 @@ class Inbox:
         return self._handles
 
     def incomplete(self) -> None:
-        """What was taken last led to nothing: the rest of the burst may come on any topic."""
+        """The last burst led to nothing, or none came: what is missing may come on any topic."""
         self._whole = False
 
     def close(self) -> None:

@@ -88,7 +88,7 @@ def _run(words: Sequence[str], builds: Mapping[str, tuple[Build, Sequence[str] |
     try:
         for who, (build, arguments) in builds.items():
             own = {} if arguments is None else {"cli_args": list(arguments), "use_global_arguments": False}
-            nodes.append(rclpy.create_node(who, **own))  # type: ignore[arg-type]
+            nodes.append(rclpy.create_node(who, **own))
             text = "SCHED_FIFO priority, 0 for none"
             priority = declare_integer(nodes[-1], "real_time_priority", 0, text, 0, 90)
             text = "nodes of this graph, comma-separated: publishers wait for those among them that listen"
@@ -112,6 +112,7 @@ class _Loop:
 
     def __init__(self, runs: Sequence[NodeRun]) -> None:
         self._runs = runs
+        self._awake = [run for run in runs if run.program.waking]
         self._executor = EventsExecutor()
         self._never: Future[None] = Future()
         self._serve_at = 0.0
@@ -131,7 +132,7 @@ class _Loop:
             idle = True
             while not self._over:
                 self._rest(min(run.turn() for run in self._runs), idle)
-                idle = not sum([run.take() for run in self._runs])
+                idle = not self._take(self._awake if self._busy(idle) else self._runs)
             for run in self._runs:
                 run.tell_failure()
         finally:
@@ -139,6 +140,17 @@ class _Loop:
                 run.close()
             self._set.destroy_when_not_in_use()
             self._executor.shutdown()
+
+    def _busy(self, idle: bool) -> bool:
+        """Whether those that only look every now and then need not look now."""
+        return len(self._runs) > 1 and not idle and monotonic() < self._serve_at
+
+    def _take(self, runs: Sequence[NodeRun]) -> int:
+        count = sum([run.take() for run in runs])
+        if not count:
+            for run in self._runs:
+                run.inbox.incomplete()
+        return count
 
     @property
     def _over(self) -> bool:
