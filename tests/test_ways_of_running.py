@@ -3,6 +3,34 @@
 import json
 
 PLAN = "short_hover"
+GUSTY = """
+name: gusty
+about: A short flight in wind and gusts with an encoder that sticks.
+seed: 3
+controller: gst2
+room: gusty
+faults: [{kind: encoder_stuck, encoder: arm_1, at_s: 14.5, for_s: 0.1}]
+phases:
+  - home: {duration: 8.0}
+  - run_up: {duration: 2.0}
+  - take_off: {height: -0.3, speed: 0.3}
+  - hover: {duration: 1.0, wind_m_s: 3.0}
+  - land: {speed: 0.3}
+  - run_down: {duration: 1.0}
+"""
+EXCITED = """
+name: excited
+about: A short flight with the identification.
+seed: 4
+controller: lq
+phases:
+  - home: {duration: 8.0}
+  - run_up: {duration: 2.0}
+  - take_off: {height: -0.3, speed: 0.3}
+  - excite: {signal: prbs, channel: B_1s, amplitude_deg: 0.5, band_rad_s: [0.5, 12], duration: 2.0}
+  - land: {speed: 0.3}
+  - run_down: {duration: 1.0}
+"""
 
 
 def fly(heli, mode, name, *more):
@@ -11,13 +39,25 @@ def fly(heli, mode, name, *more):
     return json.loads(ran.stdout)
 
 
-def test_in_process_and_lockstep_give_the_same_bytes_twice(heli):
-    flights = [fly(heli, mode, f"{mode}_{turn}") for turn in (1, 2) for mode in ("inprocess", "lockstep")]
-    assert len({flight["sha256"] for flight in flights}) == 1
-    assert all(len(flight["sha256"]) == 64 for flight in flights)
-    assert all(flight["lost_messages"] == 0 for flight in flights)
-    assert all(set(flight["late_commands"].values()) <= {0} for flight in flights)
-    assert flights[0]["metrics"] == {**flights[1]["metrics"], "flight": flights[0]["metrics"]["flight"]}
+def verified(heli, text, *more):
+    (heli.folder / "plan.yaml").write_text(text)
+    ran = heli("verify", "plan.yaml", "--json", *more)
+    assert ran.returncode == 0, ran.stderr + ran.stdout
+    said = json.loads(ran.stdout)
+    assert said["same"]
+    assert len({flight["sha256"] for flight in said["flights"]}) == 1
+    assert {flight["way"] for flight in said["flights"]} == {"lockstep", "composed", "inprocess"}
+    assert not any(flight["reason"] for flight in said["flights"])
+    return said["flights"]
+
+
+def test_a_gusty_flight_with_a_fault_is_the_same_in_every_way_twice_and_under_load(heli):
+    flights = verified(heli, GUSTY)
+    assert [flight["loaded"] for flight in flights] == [False] * 6 + [True] * 3
+
+
+def test_a_flight_that_excites_is_the_same_in_every_way_twice_and_under_load(heli):
+    assert len(verified(heli, EXCITED)) == 9
 
 
 def test_real_time_loses_nothing_and_has_the_lockstep_hash_unless_late(heli):

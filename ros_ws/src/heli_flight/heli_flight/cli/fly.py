@@ -20,8 +20,7 @@ from heli_flight.bag import STORAGES
 from heli_flight.cli.live import LiveProgress
 from heli_flight.flight_hash import bag_hash, count_check
 from heli_flight.flight_record import FlightRecord
-from heli_flight.fly_graph import fly_graph
-from heli_flight.fly_in_process import fly_in_process
+from heli_flight.flying import fly
 from heli_flight.metrics import flight_metrics
 from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.parameter_file import read_parameters
@@ -39,43 +38,43 @@ WORDS = {
 
 def add_parser(words: Any) -> None:
     """Add `fly` to the command."""
-    fly = words.add_parser(
+    word = words.add_parser(
         "fly", help="fly a plan", description="Fly a plan; leaves a bag and a report and prints their paths."
     )
-    fly.add_argument("plan", nargs="?", default="hover_steps", help="shipped plan or path of a plan file")
-    fly.add_argument(
+    word.add_argument("plan", nargs="?", default="hover_steps", help="shipped plan or path of a plan file")
+    word.add_argument(
         "--mode",
         choices=[mode.value for mode in Mode],
         default=Mode.REALTIME.value,
         help="realtime: paced by the clock (default); lockstep: as fast as the graph goes; "
         "composed: the same in one process; inprocess: without ROS",
     )
-    fly.add_argument("--seed", type=int, help="seed of every random number (default: the plan's)")
-    fly.add_argument(
+    word.add_argument("--seed", type=int, help="seed of every random number (default: the plan's)")
+    word.add_argument(
         "--controller", help="shipped controller or controller file in place of the plan's first one"
     )
-    fly.add_argument("--motor", default="motor", help="shipped motor controller or its file (default: motor)")
-    fly.add_argument(
+    word.add_argument("--motor", default="motor", help="shipped motor controller or a file (default: motor)")
+    word.add_argument(
         "--plant", type=Path, help="model file: refuse controllers that were designed for another plant"
     )
-    fly.add_argument(
+    word.add_argument(
         "--replace",
         action="append",
         default=[],
         metavar="NODE=PROGRAM.py",
         help="fly with a program of your own in place of a node (docs/templates/my_controller_node.py)",
     )
-    fly.add_argument(
+    word.add_argument(
         "--params-file", type=Path, help="ROS 2 parameter file for the nodes (heli parameters prints one)"
     )
-    fly.add_argument("--out", type=Path, default=Path("flights"), help="folder for bags (default: flights)")
-    fly.add_argument("--name", help="name of the bag's folder (default: plan, mode and time of day)")
-    fly.add_argument("--storage", default="mcap", choices=tuple(STORAGES), help="how the bag is stored")
-    fly.add_argument("--no-report", action="store_true", help="leave the bag only")
-    fly.add_argument(
+    word.add_argument("--out", type=Path, default=Path("flights"), help="folder for bags (default: flights)")
+    word.add_argument("--name", help="name of the bag's folder (default: plan, mode and time of day)")
+    word.add_argument("--storage", default="mcap", choices=tuple(STORAGES), help="how the bag is stored")
+    word.add_argument("--no-report", action="store_true", help="leave the bag only")
+    word.add_argument(
         "--no-real-time-scheduling", action="store_true", help="do not ask for SCHED_FIFO in real time"
     )
-    fly.add_argument(
+    word.add_argument(
         "--with",
         dest="more",
         action="append",
@@ -83,11 +82,11 @@ def add_parser(words: Any) -> None:
         choices=OPTIONAL_NODES,
         help="an optional node that shall fly along though the plan does not ask for it",
     )
-    fly.add_argument(
+    word.add_argument(
         "--namespace", default="", metavar="NAME", help="of every node and topic: one bench beside another"
     )
-    fly.add_argument("--json", action="store_true", help="print one JSON object instead of text")
-    fly.set_defaults(func=run)
+    word.add_argument("--json", action="store_true", help="print one JSON object instead of text")
+    word.set_defaults(func=run)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -178,9 +177,7 @@ def _absolute(name_or_path: str) -> str:
 
 def _fly(order: FlightOrder, quiet: bool) -> FlightEnd:
     with LiveProgress(order.plan.duration, quiet) as live:
-        if order.mode is Mode.INPROCESS:
-            return fly_in_process(order, live.show)
-        return fly_graph(order, live.show, live.warn)
+        return fly(order, live.show, live.warn)
 
 
 def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] | None:

@@ -15,6 +15,7 @@ from heli_common.errors import EXIT_BAD_INPUT, EXIT_INTERRUPTED, InputError
 
 WORDS = {
     "fly": "fly",
+    "verify": "verify",
     "model": "model",
     "design": "design",
     "export": "exchange",
