@@ -27,7 +27,6 @@ from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.parameter_file import read_parameters
 from heli_flight.plan import load_plan
 from heli_flight.process_table import NODE_NAMES
-from heli_flight.report import write_report
 
 WORDS = {
     EXIT_FLOWN: "flown",
@@ -190,7 +189,7 @@ def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] 
     record = FlightRecord.load(order.bag)
     lost = sum(entry.lost for entry in count_check(record.bag))
     late = {key: int(value) for key, value in record.custom_data.items() if key.startswith("late_")}
-    page = write_report([order.bag], order.bag / "report").page if report else None
+    page = _report(order.bag) if report else None
     return {
         "ended": WORDS[end.exit_code],
         "reason": end.reason,
@@ -207,6 +206,12 @@ def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] 
         "report": str(page) if page else None,
         "sha256": bag_hash(record.bag),
     }
+
+
+def _report(bag: Path) -> Path:
+    from heli_flight.report import write_report  # drawing libraries are slow to load
+
+    return write_report([bag], bag / "report").page
 
 
 def _print(result: dict[str, Any]) -> None:
