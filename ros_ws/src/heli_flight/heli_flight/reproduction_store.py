@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from heli_common.compiled import source_hash
 from heli_common.errors import InputError
 from heli_common.files import write_atomically
+from heli_common.kernel_cache import source_hash
 from heli_control.controller_file import load_controller
 from heli_flight.components import DEFAULTS
 from heli_flight.imported_sources import imported_sources

@@ -21,10 +21,8 @@ from heli_flight.cli.live import LiveProgress
 from heli_flight.flight_hash import bag_hash, count_check
 from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_graph import fly_graph
-from heli_flight.fly_in_process import fly_in_process
 from heli_flight.metrics import flight_metrics
 from heli_flight.order import FlightEnd, FlightOrder, Mode
-from heli_flight.parameter_file import read_parameters
 from heli_flight.plan import load_plan
 from heli_flight.process_table import NODE_NAMES
 
@@ -115,6 +113,8 @@ def _order(options: argparse.Namespace) -> FlightOrder:
     plant = ModelFile.read(options.plant).plant_hash if options.plant else ""
     first, *later = [load_controller(name, plant) for name in names]
     if options.params_file is not None:
+        from heli_flight.parameter_file import read_parameters  # loads what every node is made of
+
         read_parameters(options.params_file)
     name = options.name or f"{plan.name}_{options.mode}_{datetime.now():%Y%m%d_%H%M%S}"
     bag = (options.out / name).absolute()
@@ -178,6 +178,8 @@ def _absolute(name_or_path: str) -> str:
 def _fly(order: FlightOrder, quiet: bool) -> FlightEnd:
     with LiveProgress(order.plan.duration, quiet) as live:
         if order.mode is Mode.INPROCESS:
+            from heli_flight.fly_in_process import fly_in_process  # not needed on the graph, and slow to load
+
             return fly_in_process(order, live.show)
         return fly_graph(order, live.show, live.warn)
 
