@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from heli_common.compiled import cache_folder, source_hash
 from heli_common.component import StampJoin
 from heli_common.errors import InputError
 from heli_common.files import file_hash, read_yaml, write_atomically
 from heli_common.flight_state import FlightState, flight_state_from_code
+from heli_common.kernel_cache import cache_folder, source_hash
 from heli_common.quantities import from_mapping, quantity
 from heli_common.rig_geometry import RADIAN_PER_COUNT, RigGeometry
 from heli_common.timing import (

@@ -19,8 +19,8 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import Any
 
-from heli_common.compiled import source_hash
 from heli_common.errors import InputError
+from heli_common.kernel_cache import source_hash
 from heli_flight.campaign_flight import Campaign
 
 JOURNAL = "flights.jsonl"

@@ -12,12 +12,12 @@ from time import perf_counter
 from heli_common import topics
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP
 from heli_common.flight_state import FlightState
+from heli_common.kernel_cache import is_warm
 from heli_flight.node_settings import FlightSettings
 from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.process_group import Line, ProcessGroup
 from heli_flight.process_table import NODE_NAMES, Process, environment, processes
 from heli_flight.progress import Progress, parse
-from heli_flight.warm_up import is_warm, warm_up
 
 READ_SECONDS = 0.1
 COMPOSED = "composed"
@@ -33,6 +33,8 @@ def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callab
         warn: called with what a person should know: warnings of the nodes, or that kernels are compiled.
     """
     if not is_warm():
+        from heli_flight.warm_up import warm_up  # loads all that compiles, which a graph needs no more
+
         warn("compiling kernels, once after each change of the sources")
         warm_up()
     started = perf_counter()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from heli_flight.fly_graph import fly_graph
-from heli_flight.fly_in_process import fly_in_process
 from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.progress import Progress
 
@@ -19,5 +18,7 @@ def fly(order: FlightOrder, tell: Callable[[Progress], None], warn: Callable[[st
         warn: called with what a person should know.
     """
     if order.mode is Mode.INPROCESS:
+        from heli_flight.fly_in_process import fly_in_process  # not needed on the graph, and slow to load
+
         return fly_in_process(order, tell)
     return fly_graph(order, tell, warn)

@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from heli_common.compiled import source_hash
 from heli_common.errors import InputError
 from heli_common.files import write_atomically
+from heli_common.kernel_cache import source_hash
 from heli_control.controller_file import load_controller
 from heli_flight.components import DEFAULTS
+from heli_flight.imported_sources import imported_sources
 from heli_flight.parameter_file import NodeValues, read_parameters
 from heli_flight.plan import load_plan
 from heli_flight.reproduction_flights import PLANS, Job, Outcome, fly_job
@@ -25,22 +26,13 @@ from heli_flight.worker_pool import Workers
 
 FLIGHTS = "flights"
 _META = "meta"
-_FLIGHT_SOURCES = (
-    "flown_curves.py",
-    "linear_flight.py",
-    "metrics.py",
-    "noise_level.py",
-    "reproduction_flights.py",
-    "stages.py",
-    "supervisor.py",
-    "swift_control.py",
-    "swift_flight.py",
-    "unrecorded_flight.py",
-)
-"""Of heli_flight, what a flight depends on: an edit of the page flies nothing again."""
-
 Tell = Callable[[Job, int, int], None]
 """Called after every flight with what was flown, how many are done and of how many."""
+
+
+def flying_sources() -> tuple[str, ...]:
+    """Of heli_flight, the files that a flight depends on: an edit of the page flies nothing again."""
+    return imported_sources(Path(__file__).parent, "reproduction_flights")
 
 
 def flying_hash(parameters: Path | None = None) -> str:
@@ -50,7 +42,7 @@ def flying_hash(parameters: Path | None = None) -> str:
         parameters: parameter file of the nodes.
     """
     more = parameters.read_bytes() if parameters else b""
-    return source_hash({"heli_flight": _FLIGHT_SOURCES}, more)
+    return source_hash({"heli_flight": flying_sources()}, more)
 
 
 def job_hash(job: Job, flying: str) -> str:

@@ -6,8 +6,8 @@ import shutil
 import sys
 from time import perf_counter
 
-from heli_common.compiled import cache_folder
 from heli_common.files import write_atomically
+from heli_common.kernel_cache import MARK, cache_folder
 from heli_control.controller_file import load_controller
 from heli_flight.components import bench_simulator, controllers, supervisor
 from heli_flight.in_process import InProcessGraph
@@ -15,17 +15,8 @@ from heli_flight.plan import load_plan
 from heli_flight.swift_flight import SwiftFlight
 from heli_navigation.warm_up import warm_up as navigation_warm_up
 
-MARK = "complete"
-"""File in the cache folder that says that everything is compiled."""
-
-
 KEPT = 8
 """Kernels of so many other states of the sources stay in the cache."""
-
-
-def is_warm() -> bool:
-    """Whether the kernels of exactly these sources are compiled already."""
-    return (cache_folder() / MARK).is_file()
 
 
 def forget_old_kernels() -> None:

@@ -23,10 +23,8 @@ from heli_flight.flight_record import FlightRecord
 from heli_flight.flying import fly
 from heli_flight.metrics import flight_metrics
 from heli_flight.order import FlightEnd, FlightOrder, Mode
-from heli_flight.parameter_file import read_parameters
 from heli_flight.plan import load_plan
 from heli_flight.process_table import NODE_NAMES
-from heli_flight.report import write_report
 
 WORDS = {
     EXIT_FLOWN: "flown",
@@ -115,6 +113,8 @@ def _order(options: argparse.Namespace) -> FlightOrder:
     plant = ModelFile.read(options.plant).plant_hash if options.plant else ""
     first, *later = [load_controller(name, plant) for name in names]
     if options.params_file is not None:
+        from heli_flight.parameter_file import read_parameters  # loads what every node is made of
+
         read_parameters(options.params_file)
     name = options.name or f"{plan.name}_{options.mode}_{datetime.now():%Y%m%d_%H%M%S}"
     bag = (options.out / name).absolute()
@@ -187,7 +187,7 @@ def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] 
     record = FlightRecord.load(order.bag)
     lost = sum(entry.lost for entry in count_check(record.bag))
     late = {key: int(value) for key, value in record.custom_data.items() if key.startswith("late_")}
-    page = write_report([order.bag], order.bag / "report").page if report else None
+    page = _report(order.bag) if report else None
     return {
         "ended": WORDS[end.exit_code],
         "reason": end.reason,
@@ -204,6 +204,12 @@ def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] 
         "report": str(page) if page else None,
         "sha256": bag_hash(record.bag),
     }
+
+
+def _report(bag: Path) -> Path:
+    from heli_flight.report import write_report  # drawing libraries are slow to load
+
+    return write_report([bag], bag / "report").page
 
 
 def _print(result: dict[str, Any]) -> None:
