@@ -19,7 +19,7 @@ class Program(Protocol):
         inputs: topics that it hears.
         outputs: topics that it speaks on.
         waking: inputs that come last in a burst, see `Inbox`; none for a node that looks every now and then.
-        ends: whether it ends by itself when the flight is over.
+        ends: whether it ends by itself when the flight is over; composed nodes wait for those that do.
         finished: whether it has nothing more to do.
     """
 

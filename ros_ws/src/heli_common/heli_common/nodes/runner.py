@@ -156,7 +156,8 @@ class _Loop:
     def _over(self) -> bool:
         if STOP or any(run.failure for run in self._runs):
             return True
-        ending = [run.program for run in self._runs if run.program.ends]
+        programs = [run.program for run in self._runs]
+        ending = programs if len(programs) == 1 else [program for program in programs if program.ends]
         return bool(ending) and all(program.finished for program in ending)
 
     def _rest(self, seconds: float, idle: bool) -> None:

@@ -1,0 +1,167 @@
+"""The middleware's own floor: the same messages between the same processes, computing nothing.
+
+Run by `benchmarks/graph.py`, one process a node: `ping_pong.py NODE --ros-args -p running:=...`.
+"""
+
+from __future__ import annotations
+
+import sys
+from time import perf_counter
+
+from heli_common.nodes.runner import (
+    ComponentProgram,
+    run_node,
+)  # first: it takes the signals before rclpy does
+
+# isort: split
+from heli_common.component import Message, StampJoin
+from heli_common.nodes.connection import Connection
+from heli_common.timing import COMMAND_LATENCY_NS, SENSOR_PERIOD_NS, is_command_tick, is_control_tick
+from heli_common.topics import BENCH_SIM, NAVIGATION, RECORDER, TOPICS, data_topics
+from heli_control.attitude_control import AttitudeController
+from heli_control.motor_control import MotorController
+from heli_control.position_control import PositionController
+from heli_flight.supervisor import Supervisor
+from heli_navigation.navigator import Navigator
+
+WARM_STEPS, STEPS = 300, 3000
+RECORDER_LAG_NS = 200 * SENSOR_PERIOD_NS
+ACKNOWLEDGE_NS = 100_000_000
+REAL = {
+    part.name: part
+    for part in (Navigator, Supervisor, PositionController, AttitudeController, MotorController)
+}
+
+
+def zeros(topic: str, stamp_ns: int) -> Message:
+    """A message of nothing but a stamp."""
+    return Message(topic, stamp_ns, (0.0,) * len(TOPICS[topic].layout.fields))
+
+
+class Echo:
+    """Sends what the real component sends, when it sends it."""
+
+    def __init__(self, name: str) -> None:
+        real = REAL[name]
+        self.name, self.inputs, self.outputs, self.waking = name, real.inputs, real.outputs, real.waking
+        joined = [topic for topic in self.inputs if topic != "rotor"]
+        self._join = StampJoin(joined)
+
+    def receive(self, topic: str, stamp_ns: int, values: tuple[float, ...]) -> list[Message]:
+        """Answer the last input of a stamp."""
+        if topic == "rotor":
+            return [zeros("rotor_state", stamp_ns)]
+        if self._join.add(topic, stamp_ns, values) is None:
+            return []
+        outputs = (
+            [each for each in self.outputs if each != "rotor_state"]
+            if self.name == NAVIGATION
+            else self.outputs
+        )
+        if not is_control_tick(stamp_ns):
+            outputs = ["odometry_imu"]
+        return [zeros(each, stamp_ns) for each in outputs]
+
+
+class Bench:
+    """Sends samples, waits for commands as in lockstep, and says how many control steps a second it made."""
+
+    name = BENCH_SIM
+    inputs = ("servo_command", "motor_command", "flight_state", "recorder_ack")
+    outputs = tuple(name for name, topic in TOPICS.items() if topic.source == BENCH_SIM)
+    waking = ("servo_command", "motor_command")
+    ends = True
+
+    def __init__(self) -> None:
+        self.finished = False
+        self._stamp_ns = -SENSOR_PERIOD_NS
+        self._newest = dict.fromkeys(self.inputs, -1)
+        self._connection: Connection | None = None
+        self._begun = 0.0
+        self._order = sorted(self.outputs, key=lambda each: TOPICS[each].listeners == ())
+
+    def start(self, connection: Connection) -> None:
+        """Keep the connection."""
+        self._connection = connection
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        """Note a command and go on as far as that allows."""
+        self._newest[topic] = TOPICS[topic].layout.unpack(data)[0]
+        self._advance()
+
+    def turn(self) -> float:
+        """Begin when everybody is there."""
+        if self._connection is not None and self._stamp_ns < 0 and not self._connection.absent():
+            self._advance()
+        return 0.02
+
+    def close(self) -> None:
+        """Nothing to finish."""
+
+    def _blocked(self) -> bool:
+        due = self._stamp_ns - COMMAND_LATENCY_NS
+        behind = self._stamp_ns - self._newest["recorder_ack"] > RECORDER_LAG_NS
+        missing = is_command_tick(self._stamp_ns) and any(
+            self._newest[topic] < due for topic in self.inputs if topic != "recorder_ack"
+        )
+        return behind or missing
+
+    def _advance(self) -> None:
+        assert self._connection is not None
+        while not self.finished and not self._blocked():
+            self._stamp_ns += SENSOR_PERIOD_NS
+            tick = is_control_tick(self._stamp_ns)
+            sent = [each for each in self._order if tick or TOPICS[each].period_ns == SENSOR_PERIOD_NS]
+            self._connection.publish([zeros(each, self._stamp_ns) for each in sent])
+            step = self._stamp_ns // (4 * SENSOR_PERIOD_NS)
+            if tick and step == WARM_STEPS:
+                self._begun = perf_counter()
+            if tick and step == WARM_STEPS + STEPS:
+                sys.stdout.write(f"{STEPS / (perf_counter() - self._begun)}\n")
+                sys.stdout.flush()
+                self.finished = True
+
+
+class Recorder:
+    """Takes everything and acknowledges it."""
+
+    name = RECORDER
+    inputs = data_topics()
+    outputs = ("recorder_ack",)
+    waking: tuple[str, ...] = ()
+    ends = True
+
+    def __init__(self) -> None:
+        self.finished = False
+        self._newest = self._acknowledged = -1
+        self._connection: Connection | None = None
+
+    def start(self, connection: Connection) -> None:
+        """Keep the connection."""
+        self._connection = connection
+
+    def on_message(self, topic: str, data: bytes) -> None:
+        """Note how far the flight is."""
+        if topic == "flight_state":
+            self._newest = TOPICS[topic].layout.stamp(data)
+
+    def turn(self) -> float:
+        """Acknowledge what has come."""
+        if self._connection is not None and self._newest - self._acknowledged >= ACKNOWLEDGE_NS:
+            self._acknowledged = self._newest
+            self._connection.publish([zeros("recorder_ack", self._newest)])
+        return 0.02
+
+    def close(self) -> None:
+        """Nothing to finish."""
+
+
+def main() -> None:
+    """One node of the floor."""
+    name = sys.argv.pop(1)
+    own = {BENCH_SIM: Bench, RECORDER: Recorder}
+    sys.exit(run_node(name, lambda *_: own[name]() if name in own else ComponentProgram(Echo(name))))
+
+
+if __name__ == "__main__":
+    main()
