@@ -25,7 +25,7 @@ class Heli:
         }
         self._started = []
 
-    def __call__(self, *words):
+    def __call__(self, *words, patience=PATIENCE):
         """Run to the end."""
         return subprocess.run(
             self._words(words),
@@ -33,7 +33,7 @@ class Heli:
             env=self.environment,
             capture_output=True,
             text=True,
-            timeout=PATIENCE,
+            timeout=patience,
             check=False,
         )
 

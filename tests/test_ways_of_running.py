@@ -41,7 +41,7 @@ def fly(heli, mode, name, *more):
 
 def verified(heli, text, *more):
     (heli.folder / "plan.yaml").write_text(text)
-    ran = heli("verify", "plan.yaml", "--json", *more)
+    ran = heli("verify", "plan.yaml", "--json", *more, patience=300.0)  # many flights, some under load
     assert ran.returncode == 0, ran.stderr + ran.stdout
     said = json.loads(ran.stdout)
     assert said["same"]
@@ -56,8 +56,8 @@ def test_a_gusty_flight_with_a_fault_is_the_same_in_every_way_twice_and_under_lo
     assert [flight["loaded"] for flight in flights] == [False] * 6 + [True] * 3
 
 
-def test_a_flight_that_excites_is_the_same_in_every_way_twice_and_under_load(heli):
-    assert len(verified(heli, EXCITED)) == 9
+def test_a_flight_that_excites_is_the_same_in_every_way_with_and_without_load(heli):
+    assert len(verified(heli, EXCITED, "--times", "1")) == 6
 
 
 def test_real_time_loses_nothing_and_has_the_lockstep_hash_unless_late(heli):
