@@ -65,7 +65,7 @@ class Inbox:
         wait_on(self._set, self._last if self._whole else self._handles, seconds)
 
     def take(self, on_message: OnMessage) -> int:
-        """Deliver what has come, what ends a burst after the rest.
+        """Deliver what has come, behind it one message of each topic that ends a burst.
 
         Returns:
             how many messages; 0 if nothing has come, or only the beginning of a burst.
@@ -78,7 +78,7 @@ class Inbox:
         for topic, (data, about) in ends:
             self.arrived_ns = about["received_timestamp"]
             on_message(topic, data)
-        return count + self._drain(self._ends, on_message)
+        return count  # a further end waits for the next look, for its burst may have come after this one
 
     def _drain(self, sources: list[_Source], on_message: OnMessage) -> int:
         count = 0
@@ -92,7 +92,8 @@ class Inbox:
 
     def discard(self) -> None:
         """Forget everything that has arrived."""
-        self.take(lambda _topic, _data: None)
+        for sources in (self._begins, self._ends):
+            self._drain(sources, lambda _topic, _data: None)
         self._whole = False
 
     @property
