@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
+from bisect import bisect_right
+from operator import itemgetter
 
 from heli_common.flight_state import flight_state_from_code
 from heli_common.timing import CONTROL_PERIOD_NS
@@ -11,6 +12,8 @@ from heli_flight.bag import BagWriter
 
 ACKNOWLEDGE_NS = 100_000_000
 """An acknowledgement is due each time the bag is complete for so much longer."""
+
+_stamp = itemgetter(0)
 
 
 class FlightRecorder:
@@ -32,6 +35,8 @@ class FlightRecorder:
         self.ended_at: int | None = None
         self._bag = bag
         self._tracks = {topic: _Track(topic) for topic in topics}
+        self._held: list[tuple[int, str, bytes]] = []
+        self._state_layout = TOPICS["flight_state"].layout
         self._acknowledged_ns = -1
 
     @property
@@ -58,12 +63,13 @@ class FlightRecorder:
             ValueError: a message of another size than agreed.
             OSError: the bag cannot be written any more.
         """
-        for track in self._tracks.values():
-            track.read()
-        state = self._tracks.get("flight_state")
-        if state is not None:
-            self._look_for_end(state)
-            self._release(state.last)
+        for topic, track in self._tracks.items():
+            arrived = track.read()
+            self._held += [(stamp_ns, topic, data) for stamp_ns, data in arrived]
+            if topic == "flight_state":
+                self._look_for_end(arrived)
+        if "flight_state" in self._tracks:
+            self._release(self._tracks["flight_state"].last)
         complete = self.complete_until
         if complete - self._acknowledged_ns >= ACKNOWLEDGE_NS or (
             self.complete and complete > self._acknowledged_ns
@@ -78,29 +84,31 @@ class FlightRecorder:
         self._release(2**62)
         self._bag.close(remarks)
 
-    def _look_for_end(self, state: _Track) -> None:
-        for stamp_ns, data in state.held:
-            if self.ended_at is None and flight_state_from_code(state.layout.unpack(data)[1][0]).ended:
+    def _look_for_end(self, states: list[tuple[int, bytes]]) -> None:
+        for stamp_ns, data in states:
+            if self.ended_at is None and flight_state_from_code(self._state_layout.unpack(data)[1][0]).ended:
                 self.ended_at = stamp_ns
 
     def _release(self, until_ns: int) -> None:
-        """Write what is held up to a stamp, but nothing after the end of the flight."""
+        """Write what is held up to a stamp in order of stamps, but nothing after the end of the flight.
+
+        In that order a flush of the bag, which may come with any message, leaves out nothing older.
+        """
         end = until_ns if self.ended_at is None else min(until_ns, self.ended_at)
-        for topic, track in self._tracks.items():
-            held = track.held
-            while held and held[0][0] <= end:
-                stamp_ns, data = held.popleft()
-                self._bag.write(topic, stamp_ns, data)
+        self._held.sort(key=_stamp)
+        count = bisect_right(self._held, end, key=_stamp)
+        for stamp_ns, topic, data in self._held[:count]:
+            self._bag.write(topic, stamp_ns, data)
+        del self._held[:count]
 
 
 class _Track:
-    """What has come of one topic and is not written yet."""
+    """What has come of one topic and has not been looked at, and how far the topic is."""
 
     def __init__(self, topic: str) -> None:
-        self.layout = TOPICS[topic].layout
         self.arrived: list[bytes] = []
-        self.held: deque[tuple[int, bytes]] = deque()
         self.last = -1
+        self._stamp = TOPICS[topic].layout.stamp
         # a slow topic says nothing of the time until its next message
         self._until_next = max(0, TOPICS[topic].period_ns - CONTROL_PERIOD_NS)
 
@@ -109,9 +117,10 @@ class _Track:
         """Stamp up to which the topic has arrived [ns]."""
         return self.last + (self._until_next if self.last >= 0 else 0)
 
-    def read(self) -> None:
-        """Hold what has arrived by its stamps."""
-        if self.arrived:
-            arrived, self.arrived = self.arrived, []
-            self.held += zip(map(self.layout.stamp, arrived), arrived, strict=True)
-            self.last = self.held[-1][0]
+    def read(self) -> list[tuple[int, bytes]]:
+        """What has arrived since the last look, with its stamps."""
+        found = [(self._stamp(data), data) for data in self.arrived]
+        self.arrived = []
+        if found:
+            self.last = found[-1][0]
+        return found

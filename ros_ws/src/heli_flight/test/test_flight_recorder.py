@@ -73,6 +73,23 @@ def test_the_bag_ends_where_the_flight_ended_whatever_the_order(order):
     assert len(bag.written) == len(expected)
 
 
+@settings(deadline=None, max_examples=30)
+@given(st.permutations(DATA_TOPICS))
+def test_topics_that_come_in_bursts_are_written_in_order_of_stamps(order):
+    # the bag flushes with any message: one written earlier than an older one would be in it alone
+    bag = Bag()
+    recorder = FlightRecorder(bag)
+    for first in (0, 100_000_000):
+        for topic in order:
+            for data in messages(topic, first + 90_000_000):
+                if TOPICS[topic].layout.stamp(data) >= first:
+                    recorder.receive(topic, data)
+        recorder.settle()
+    stamps = [stamp for _, stamp in bag.written]
+    assert stamps == sorted(stamps)
+    assert stamps[-1] == 190_000_000
+
+
 def test_an_interrupted_flight_keeps_everything_that_arrived():
     bag = Bag()
     recorder = FlightRecorder(bag)

@@ -37,7 +37,8 @@ class RecorderProgram:
     ends = True
 
     def __init__(self, node: Node, bag: BagWriter, topics: tuple[str, ...], real_time: bool) -> None:
-        self.inputs = topics
+        # taken before what leads to it, the newest flight state has everything older behind it
+        self.inputs = tuple(sorted(topics, key=lambda topic: topic != "flight_state"))
         self.finished = False
         self._bag = bag
         self._recorder = FlightRecorder(bag, topics)
@@ -46,6 +47,7 @@ class RecorderProgram:
             bag.remarks = self._arrivals.remarks
         self._closing_since = self._settle_at = 0.0
         self._said: dict[str, str] = {}
+        self._words: list[tuple[int, bytes]] = []
         self._bench_ended = False
         self._connection: Connection | None = None
         self._subscription = node.create_subscription(
@@ -65,7 +67,7 @@ class RecorderProgram:
     def _on_diagnostics(self, data: bytes) -> None:
         array = deserialize_message(data, DiagnosticArray)
         stamp_ns = array.header.stamp.sec * 1_000_000_000 + array.header.stamp.nanosec
-        self._bag.write(DIAGNOSTICS, stamp_ns, data)
+        self._words.append((stamp_ns, data))
         for status in array.status:
             if status.level == DiagnosticStatus.ERROR:
                 self._said.setdefault("result", f"{status.name}: {status.message}")
@@ -73,11 +75,18 @@ class RecorderProgram:
                 self._said |= {pair.key: pair.value for pair in status.values}
                 self._bench_ended = status.message == "ended"
 
+    def _write_words(self) -> None:
+        """Diagnostics come by another way than data: written behind them, they flush nothing too early."""
+        for stamp_ns, data in self._words:
+            self._bag.write(DIAGNOSTICS, stamp_ns, data)
+        self._words.clear()
+
     def turn(self) -> float:
         """Write and acknowledge; after the end, finish when bag and the bench's last figures are complete."""
         if monotonic() < self._settle_at:
             return TURN_SECONDS
         acknowledged = self._recorder.settle()
+        self._write_words()
         if acknowledged is not None and self._connection is not None:
             self._connection.publish([Message("recorder_ack", acknowledged, ())])
         self._settle_at = monotonic() + TURN_SECONDS / 2
@@ -90,4 +99,5 @@ class RecorderProgram:
 
     def close(self) -> None:
         """Store late commands and the reason of a stop, and finish the bag."""
+        self._write_words()
         self._recorder.close(self._said)
