@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
@@ -35,8 +34,9 @@ class Inbox:
     Args:
         node: that subscribes.
         topics: of the table of topics.
-        waking: those that come last in a burst: a message on one of them ends the wait. When a wait ended
+        waking: those that come last in a burst: a message on one of them ends a wait. When a wait ended
             without such a message, or what it brought was no complete burst, the next one ends with any.
+            None for a node that waits for no message.
 
     Attributes:
         arrived_ns: when the middleware got the message being delivered [ns of the system clock].
@@ -45,7 +45,6 @@ class Inbox:
     def __init__(self, node: Node, topics: Iterable[str], waking: Iterable[str] = ()) -> None:
         self.arrived_ns = 0
         self._subscriptions = {topic: _subscribe(node, topic) for topic in topics}
-        self._handles = [subscription.handle for subscription in self._subscriptions.values()]
         last = set(waking)
         sources: list[_Source] = [
             (topic, each.handle.take_message, each.msg_type) for topic, each in self._subscriptions.items()
@@ -53,16 +52,17 @@ class Inbox:
         self._ends = [source for source in sources if source[0] in last]
         self._begins = [source for source in sources if source[0] not in last]
         self._last = [self._subscriptions[topic].handle for topic, _, _ in self._ends]
-        self._set = rclpy_implementation.WaitSet(len(self._handles), 0, 0, 0, 0, 0, node.context.handle)
+        self._any = [each.handle for each in self._subscriptions.values()] if self._ends else []
         self._whole = False
 
     def publisher_count(self, topic: str) -> int:
         """How many publishers the middleware has matched with the subscription."""
         return int(self._subscriptions[topic].get_publisher_count())
 
-    def wait(self, seconds: float) -> None:
-        """Until a burst has come, or the time is over."""
-        wait_on(self._set, self._last if self._whole else self._handles, seconds)
+    @property
+    def awaited(self) -> list[Any]:
+        """Handles of the subscriptions on which a message ends the next wait."""
+        return self._last if self._whole else self._any
 
     def take(self, on_message: OnMessage) -> int:
         """Deliver what has come, behind it one message of each topic that ends a burst.
@@ -75,9 +75,8 @@ class Inbox:
             return 0
         self._whole = bool(ends)
         count = len(ends) + self._drain(self._begins, on_message)
-        for topic, (data, about) in ends:
-            self.arrived_ns = about["received_timestamp"]
-            on_message(topic, data)
+        for topic, taken in ends:
+            self._deliver(topic, taken, on_message)
         return count  # a further end waits for the next look, for its burst may have come after this one
 
     def _drain(self, sources: list[_Source], on_message: OnMessage) -> int:
@@ -85,10 +84,13 @@ class Inbox:
         for topic, take, kind in sources:
             while (taken := take(kind, True)) is not None:
                 count += 1
-                data, about = taken
-                self.arrived_ns = about["received_timestamp"]
-                on_message(topic, data)
+                self._deliver(topic, taken, on_message)
         return count
+
+    def _deliver(self, topic: str, taken: tuple[bytes, dict[str, int]], on_message: OnMessage) -> None:
+        data, about = taken
+        self.arrived_ns = about["received_timestamp"]
+        on_message(topic, data)
 
     def discard(self) -> None:
         """Forget everything that has arrived."""
@@ -96,34 +98,14 @@ class Inbox:
             self._drain(sources, lambda _topic, _data: None)
         self._whole = False
 
-    @property
-    def handles(self) -> list[Any]:
-        """Of every subscription, for a wait on several nodes."""
-        return self._handles
-
     def incomplete(self) -> None:
         """The last burst led to nothing, or none came: what is missing may come on any topic."""
         self._whole = False
 
     def close(self) -> None:
-        """Give wait set and subscriptions back before the context goes."""
-        self._set.destroy_when_not_in_use()
+        """Give the subscriptions back before the context goes."""
         for subscription in self._subscriptions.values():
             subscription.destroy()
-
-
-def wait_on(wait_set: Any, handles: Iterable[Any], seconds: float) -> None:
-    """Wait until one of some subscriptions has a message, or the time is over.
-
-    Args:
-        wait_set: large enough.
-        handles: of the subscriptions.
-        seconds: longest wait.
-    """
-    wait_set.clear_entities()
-    for handle in handles:
-        wait_set.add_subscription(handle)
-    wait_set.wait(int(seconds * 1e9))
 
 
 def _subscribe(node: Node, topic: str) -> Subscription[Any]:

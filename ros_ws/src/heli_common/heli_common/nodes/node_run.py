@@ -34,8 +34,8 @@ class NodeRun:
     def __init__(self, node: Node, program: Program, running: tuple[str, ...]) -> None:
         self.node, self.program = node, program
         self.code, self.failure, self.started = EXIT_FLOWN, "", False
-        waking = program.waking
-        self.connection = Connection(node, program.name, running, program.inputs, program.outputs, waking)
+        topics = (program.inputs, program.outputs, program.waking)
+        self.connection = Connection(node, program.name, running, *topics)
         self.inbox = self.connection.inbox
 
     def wire(self) -> bool:

@@ -27,7 +27,6 @@ from rclpy.signals import SignalHandlerOptions  # noqa: E402
 from rclpy.task import Future  # noqa: E402
 
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, InputError  # noqa: E402
-from heli_common.nodes.inbox import wait_on  # noqa: E402
 from heli_common.nodes.node_run import WIRING_SECONDS, NodeRun  # noqa: E402
 from heli_common.nodes.parameters import declare_integer, declare_names  # noqa: E402
 from heli_common.nodes.program import ComponentProgram, Program  # noqa: E402
@@ -112,14 +111,11 @@ class _Loop:
 
     def __init__(self, runs: Sequence[NodeRun]) -> None:
         self._runs = runs
-        self._awake = [run for run in runs if run.program.waking]
+        self._awake = [run for run in runs if run.program.waking] or runs
         self._executor = EventsExecutor()
         self._never: Future[None] = Future()
-        self._serve_at = 0.0
-        handles = [handle for run in runs for handle in run.inbox.handles]
-        context = runs[0].node.context.handle
-        self._set = rclpy_implementation.WaitSet(len(handles), 0, 0, 0, 0, 0, context)
-        self._handles = handles
+        size = sum(len(run.inbox.awaited) for run in runs)
+        self._set = rclpy_implementation.WaitSet(size, 0, 0, 0, 0, 0, runs[0].node.context.handle)
         for run in runs:
             self._executor.add_node(run.node)
 
@@ -129,10 +125,7 @@ class _Loop:
             while not self._over and not all(run.wire() for run in self._runs):
                 self._serve(WIRING_SECONDS)
             self._schedule(priority)
-            idle = True
-            while not self._over:
-                self._rest(min(run.turn() for run in self._runs), idle)
-                idle = not self._take(self._awake if self._busy(idle) else self._runs)
+            self._turns()
             for run in self._runs:
                 run.tell_failure()
         finally:
@@ -141,16 +134,33 @@ class _Loop:
             self._set.destroy_when_not_in_use()
             self._executor.shutdown()
 
-    def _busy(self, idle: bool) -> bool:
-        """Whether those that only look every now and then need not look now."""
-        return len(self._runs) > 1 and not idle and monotonic() < self._serve_at
+    def _turns(self) -> None:
+        """Programs act, wait, take in turn; those that wait for no message and the executor now and then."""
+        idle, serve_at = True, 0.0
+        while not self._over:
+            due = monotonic() >= serve_at
+            runs = self._runs if due or idle else self._awake
+            seconds = min(run.turn() for run in runs)
+            if due:
+                serve_at = monotonic() + WAIT_SECONDS
+                self._serve(0.0)
+            if idle or len(self._runs) == 1:
+                self._wait(min(seconds, WAIT_SECONDS))
+            idle = not sum([run.take() for run in runs])
+            if idle:
+                for run in self._runs:
+                    run.inbox.incomplete()
 
-    def _take(self, runs: Sequence[NodeRun]) -> int:
-        count = sum([run.take() for run in runs])
-        if not count:
-            for run in self._runs:
-                run.inbox.incomplete()
-        return count
+    def _wait(self, seconds: float) -> None:
+        """Until a message that somebody waits for has come, or the time is over."""
+        awaited = [handle for run in self._runs for handle in run.inbox.awaited]
+        if not awaited:
+            self._serve(seconds)
+            return
+        self._set.clear_entities()
+        for handle in awaited:
+            self._set.add_subscription(handle)
+        self._set.wait(int(seconds * 1e9))
 
     @property
     def _over(self) -> bool:
@@ -159,21 +169,6 @@ class _Loop:
         programs = [run.program for run in self._runs]
         ending = programs if len(programs) == 1 else [program for program in programs if program.ends]
         return bool(ending) and all(program.finished for program in ending)
-
-    def _rest(self, seconds: float, idle: bool) -> None:
-        """Wait for messages, at most so long; a composed loop only when nobody had any."""
-        seconds = min(seconds, WAIT_SECONDS)
-        alone = len(self._runs) == 1
-        if alone and not self._runs[0].program.waking:
-            self._serve(seconds)
-            return
-        if monotonic() >= self._serve_at:
-            self._serve_at = monotonic() + WAIT_SECONDS
-            self._serve(0.0)
-        if alone:
-            self._runs[0].inbox.wait(seconds)
-        elif idle:
-            wait_on(self._set, self._handles, seconds)
 
     def _serve(self, seconds: float) -> None:
         self._executor.spin_until_future_complete(self._never, timeout_sec=seconds)

@@ -45,7 +45,7 @@ class RecorderProgram:
         self._arrivals = Arrivals(topics) if real_time else None
         if self._arrivals is not None:
             bag.remarks = self._arrivals.remarks
-        self._closing_since = self._settle_at = 0.0
+        self._closing_since = 0.0
         self._said: dict[str, str] = {}
         self._words: list[tuple[int, bytes]] = []
         self._bench_ended = False
@@ -83,13 +83,10 @@ class RecorderProgram:
 
     def turn(self) -> float:
         """Write and acknowledge; after the end, finish when bag and the bench's last figures are complete."""
-        if monotonic() < self._settle_at:
-            return TURN_SECONDS
         acknowledged = self._recorder.settle()
         self._write_words()
         if acknowledged is not None and self._connection is not None:
             self._connection.publish([Message("recorder_ack", acknowledged, ())])
-        self._settle_at = monotonic() + TURN_SECONDS / 2
         if self._recorder.ended_at is not None:
             now = monotonic()
             self._closing_since = self._closing_since or now
