@@ -8,25 +8,23 @@ from __future__ import annotations
 import sys
 from time import perf_counter
 
-from heli_common.nodes.runner import (
-    ComponentProgram,
-    run_node,
-)  # first: it takes the signals before rclpy does
+from heli_common.nodes.runner import ComponentProgram, run_node  # first: it takes the signals before rclpy
 
 # isort: split
+from heli_bench_sim.nodes.bench_program import RECORDER_LAG_NS
+from heli_bench_sim.simulator import BenchSimulator
 from heli_common.component import Message, StampJoin
 from heli_common.nodes.connection import Connection
 from heli_common.timing import COMMAND_LATENCY_NS, SENSOR_PERIOD_NS, is_command_tick, is_control_tick
-from heli_common.topics import BENCH_SIM, NAVIGATION, RECORDER, TOPICS, data_topics
+from heli_common.topics import BENCH_SIM, RECORDER, TOPICS, data_topics
 from heli_control.attitude_control import AttitudeController
 from heli_control.motor_control import MotorController
 from heli_control.position_control import PositionController
+from heli_flight.recorder import ACKNOWLEDGE_NS
 from heli_flight.supervisor import Supervisor
 from heli_navigation.navigator import Navigator
 
 WARM_STEPS, STEPS = 300, 3000
-RECORDER_LAG_NS = 200 * SENSOR_PERIOD_NS
-ACKNOWLEDGE_NS = 100_000_000
 REAL = {
     part.name: part
     for part in (Navigator, Supervisor, PositionController, AttitudeController, MotorController)
@@ -53,22 +51,16 @@ class Echo:
             return [zeros("rotor_state", stamp_ns)]
         if self._join.add(topic, stamp_ns, values) is None:
             return []
-        outputs = (
-            [each for each in self.outputs if each != "rotor_state"]
-            if self.name == NAVIGATION
-            else self.outputs
-        )
-        if not is_control_tick(stamp_ns):
-            outputs = ["odometry_imu"]
-        return [zeros(each, stamp_ns) for each in outputs]
+        due = self.outputs if is_control_tick(stamp_ns) else ("odometry_imu",)
+        return [zeros(each, stamp_ns) for each in due if each != "rotor_state"]
 
 
 class Bench:
     """Sends samples, waits for commands as in lockstep, and says how many control steps a second it made."""
 
     name = BENCH_SIM
-    inputs = ("servo_command", "motor_command", "flight_state", "recorder_ack")
-    outputs = tuple(name for name, topic in TOPICS.items() if topic.source == BENCH_SIM)
+    inputs = (*BenchSimulator.inputs, "recorder_ack")
+    outputs = BenchSimulator.outputs
     waking = ("servo_command", "motor_command")
     ends = True
 
@@ -78,7 +70,6 @@ class Bench:
         self._newest = dict.fromkeys(self.inputs, -1)
         self._connection: Connection | None = None
         self._begun = 0.0
-        self._order = sorted(self.outputs, key=lambda each: TOPICS[each].listeners == ())
 
     def start(self, connection: Connection) -> None:
         """Keep the connection."""
@@ -102,7 +93,7 @@ class Bench:
         due = self._stamp_ns - COMMAND_LATENCY_NS
         behind = self._stamp_ns - self._newest["recorder_ack"] > RECORDER_LAG_NS
         missing = is_command_tick(self._stamp_ns) and any(
-            self._newest[topic] < due for topic in self.inputs if topic != "recorder_ack"
+            self._newest[topic] < due for topic in BenchSimulator.inputs
         )
         return behind or missing
 
@@ -111,7 +102,7 @@ class Bench:
         while not self.finished and not self._blocked():
             self._stamp_ns += SENSOR_PERIOD_NS
             tick = is_control_tick(self._stamp_ns)
-            sent = [each for each in self._order if tick or TOPICS[each].period_ns == SENSOR_PERIOD_NS]
+            sent = [each for each in self.outputs if tick or TOPICS[each].period_ns == SENSOR_PERIOD_NS]
             self._connection.publish([zeros(each, self._stamp_ns) for each in sent])
             step = self._stamp_ns // (4 * SENSOR_PERIOD_NS)
             if tick and step == WARM_STEPS:
