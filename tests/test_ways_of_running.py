@@ -46,6 +46,7 @@ def verified(heli, text, *more):
     said = json.loads(ran.stdout)
     assert said["same"]
     assert len({flight["sha256"] for flight in said["flights"]}) == 1
+    assert all(len(flight["sha256"]) == 64 for flight in said["flights"])
     assert {flight["way"] for flight in said["flights"]} == {"lockstep", "composed", "inprocess"}
     assert not any(flight["reason"] for flight in said["flights"])
     return said["flights"]
@@ -74,5 +75,8 @@ def test_a_parameter_file_means_the_same_in_both_ways(heli):
     text += "/**/position_controller: {ros__parameters: {gain_x: 1.5}}\n"
     (heli.folder / "heavy.yaml").write_text(text)
     flights = [fly(heli, mode, mode, "--params-file", "heavy.yaml") for mode in ("inprocess", "lockstep")]
+    assert all(flight["lost_messages"] == 0 for flight in flights)
+    assert all(set(flight["late_commands"].values()) <= {0} for flight in flights)
+    assert flights[0]["metrics"] == {**flights[1]["metrics"], "flight": flights[0]["metrics"]["flight"]}
     flights.append(fly(heli, "inprocess", "plain"))
     assert flights[0]["sha256"] == flights[1]["sha256"] != flights[2]["sha256"]

@@ -42,7 +42,7 @@ def test_each_way_is_flown_so_many_times_and_once_more_under_load():
     assert not any(run.loaded for run in runs(ways, 3, False))
 
 
-def test_flights_that_are_the_same_are_said_to_be_and_leave_nothing(plan, tmp_path, capsys):
+def test_flights_that_are_the_same_are_said_to_be_and_kept_where_asked(plan, tmp_path, capsys):
     kept = tmp_path / "kept"
     words = ["verify", str(plan), "--modes", "inprocess", "--times", "2", "--no-load", "--json"]
     assert main([*words, "--out", str(kept)]) == 0
