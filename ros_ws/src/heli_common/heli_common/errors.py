@@ -29,6 +29,9 @@ class SafetyStop(RuntimeError):
 
 
 EXIT_FLOWN = 0
+EXIT_DIFFERENT = 1
+"""What was compared is not the same."""
+
 EXIT_BAD_INPUT = 2
 EXIT_SAFETY_STOP = 3
 EXIT_INTERRUPTED = 130

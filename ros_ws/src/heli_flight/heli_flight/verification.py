@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from heli_common.errors import EXIT_FLOWN, EXIT_SAFETY_STOP
+from heli_common.errors import EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP
 from heli_flight.bag_reader import read_bag
 from heli_flight.flight_hash import Difference, bag_hash, first_difference
 from heli_flight.flying import fly
@@ -92,7 +92,7 @@ def fly_run(
     bag = folder / str(run).replace(" ", "_")
     with _load(run.loaded):
         end = fly(replace(order, mode=run.mode, bag=bag), tell, warn)
-    if end.reason == "interrupted":
+    if end.exit_code == EXIT_INTERRUPTED:
         raise KeyboardInterrupt
     if end.exit_code not in (EXIT_FLOWN, EXIT_SAFETY_STOP) or not (bag / "metadata.yaml").is_file():
         raise RuntimeError(f"{run}: {end.reason or 'left no bag'}")

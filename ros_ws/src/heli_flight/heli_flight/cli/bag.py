@@ -13,13 +13,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from heli_common.errors import EXIT_FLOWN, InputError
+from heli_common.errors import EXIT_DIFFERENT, EXIT_FLOWN, InputError
 from heli_flight.bag import STORAGES
 from heli_flight.bag_check import BagState, bag_state, write_again
 from heli_flight.bag_reader import Bag, read_bag
 from heli_flight.flight_hash import bag_hash, count_check, first_difference
 
-EXIT_DIFFERENT = EXIT_NOT_WHOLE = 1
+EXIT_NOT_WHOLE = 1
 SHOWN_LINES = 40
 
 

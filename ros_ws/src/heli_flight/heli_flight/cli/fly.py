@@ -14,16 +14,15 @@ from typing import Any
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, InputError
 from heli_common.model_file import ModelFile
 from heli_common.topics import IDENTIFICATION, OPTIONAL_NODES
-from heli_control.controller_file import load_controller
 from heli_control.motor_controller_file import load_motor_controller
 from heli_flight.bag import STORAGES
 from heli_flight.cli.live import LiveProgress
+from heli_flight.cli.planned import absolute, planned_order
 from heli_flight.flight_hash import bag_hash, count_check
 from heli_flight.flight_record import FlightRecord
 from heli_flight.flying import fly
 from heli_flight.metrics import flight_metrics
 from heli_flight.order import FlightEnd, FlightOrder, Mode
-from heli_flight.plan import load_plan
 from heli_flight.process_table import NODE_NAMES
 
 WORDS = {
@@ -104,37 +103,19 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _order(options: argparse.Namespace) -> FlightOrder:
-    plan = load_plan(options.plan)
-    seed = plan.seed if options.seed is None else options.seed
-    if not 0 <= seed < 2**31:
-        raise InputError(f"{seed}", allowed="0 .. 2147483647", key="--seed")
-    plan = dataclasses.replace(plan, seed=seed)
-    names = (options.controller or plan.controller, *plan.controllers[1:])
     plant = ModelFile.read(options.plant).plant_hash if options.plant else ""
-    first, *later = [load_controller(name, plant) for name in names]
-    if options.params_file is not None:
-        from heli_flight.parameter_file import read_parameters  # loads what every node is made of
-
-        read_parameters(options.params_file)
-    name = options.name or f"{plan.name}_{options.mode}_{datetime.now():%Y%m%d_%H%M%S}"
+    order = planned_order(options.plan, options.seed, options.params_file, options.controller or "", plant)
+    name = options.name or f"{order.plan.name}_{options.mode}_{datetime.now():%Y%m%d_%H%M%S}"
     bag = (options.out / name).absolute()
     if bag.exists():
         raise InputError("exists already", allowed="a new folder", file=bag, key="--name")
-    return FlightOrder(
-        plan=plan,
-        plan_name=_absolute(options.plan),
+    return dataclasses.replace(
+        order,
         mode=Mode(options.mode),
-        seed=seed,
-        controller=first,
-        controller_name=_absolute(names[0]),
         bag=bag,
-        parameters=options.params_file.absolute() if options.params_file else None,
         real_time_scheduling=not options.no_real_time_scheduling,
-        later=tuple(later),
-        later_names=tuple(_absolute(name) for name in names[1:]),
         motor=load_motor_controller(options.motor),
-        motor_name=_absolute(options.motor),
-        plant=plant,
+        motor_name=absolute(options.motor),
         replaced=_replaced(options.replace, options.mode),
         with_identification=IDENTIFICATION in options.more,
         storage=options.storage,
@@ -168,11 +149,6 @@ def _replaced(words: list[str], mode: str) -> dict[str, Path]:
             raise InputError(f"{path!r} is no file", allowed="NODE=PROGRAM.py", key=f"--replace {name}")
         programs[name] = Path(path).absolute()
     return programs
-
-
-def _absolute(name_or_path: str) -> str:
-    """A path as the nodes need it, wherever they run; a shipped name as it is."""
-    return str(Path(name_or_path).absolute()) if Path(name_or_path).is_file() else name_or_path
 
 
 def _fly(order: FlightOrder, quiet: bool) -> FlightEnd:

@@ -11,11 +11,9 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from heli_common.errors import EXIT_FLOWN
+from heli_common.errors import EXIT_DIFFERENT, EXIT_FLOWN
 from heli_flight.bag_reader import read_bag
 from heli_flight.replay_check import replay
-
-EXIT_DIFFERENT = 1
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

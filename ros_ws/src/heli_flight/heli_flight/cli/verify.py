@@ -7,22 +7,18 @@ import json
 import shutil
 import sys
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
-from heli_common.errors import EXIT_FLOWN, EXIT_SAFETY_STOP, InputError
-from heli_control.controller_file import load_controller
+from heli_common.errors import EXIT_DIFFERENT, EXIT_FLOWN, EXIT_SAFETY_STOP, InputError
 from heli_flight.cli.limits import require_between
 from heli_flight.cli.live import LiveProgress
+from heli_flight.cli.planned import planned_order
 from heli_flight.order import FlightOrder, Mode
-from heli_flight.parameter_file import read_parameters
-from heli_flight.plan import load_plan
 from heli_flight.verification import REPRODUCIBLE, Flown, Run, differences, fly_run, runs
 
-EXIT_DIFFERENT = 1
 MOST_TIMES = 20
 _WAYS = ",".join(mode.value for mode in REPRODUCIBLE)
 
@@ -51,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         InputError: plan, seed, parameters or a way of running is not allowed.
     """
-    order = _order(options)
+    order = planned_order(options.plan, options.seed, options.params_file)
     require_between(options.times, 1, MOST_TIMES, "--times")
     wanted = runs(_modes(options.modes), options.times, not options.no_load)
     folder = options.out.absolute() if options.out else Path(tempfile.mkdtemp(prefix="heli_verify_"))
@@ -90,29 +86,6 @@ def _modes(text: str) -> list[Mode]:
     if not names:
         raise InputError("none given", allowed=", ".join(known), key="--modes")
     return [known[name] for name in dict.fromkeys(names)]
-
-
-def _order(options: argparse.Namespace) -> FlightOrder:
-    plan = load_plan(options.plan)
-    if options.seed is not None:
-        require_between(options.seed, 0, 2**31 - 1, "--seed")
-        plan = replace(plan, seed=options.seed)
-    if options.params_file is not None:
-        read_parameters(options.params_file)
-    first, *later = [load_controller(name) for name in plan.controllers]
-    path = Path(options.plan)
-    return FlightOrder(
-        plan=plan,
-        plan_name=str(path.absolute()) if path.is_file() else options.plan,
-        mode=Mode.INPROCESS,
-        seed=plan.seed,
-        controller=first,
-        controller_name=plan.controllers[0],
-        bag=Path(),
-        parameters=options.params_file.absolute() if options.params_file else None,
-        later=tuple(later),
-        later_names=tuple(plan.controllers[1:]),
-    )
 
 
 def _say(flown: list[Flown], found: list[tuple[Flown, str]], as_json: bool) -> None:
