@@ -24,6 +24,7 @@ from heli_flight.flying import fly
 from heli_flight.metrics import flight_metrics
 from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.process_table import NODE_NAMES
+from heli_flight.punctuality import FIGURES, punctuality
 
 WORDS = {
     EXIT_FLOWN: "flown",
@@ -174,6 +175,7 @@ def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] 
         "wall_s": round(end.wall_seconds, 3),
         "lost_messages": lost,
         "late_commands": late,
+        "punctuality": punctuality(record.custom_data) if order.mode is Mode.REALTIME else {},
         "paused_s": float(record.custom_data.get("paused_s", 0.0)),
         "metrics": flight_metrics(record),
         "bag": str(order.bag),
@@ -198,6 +200,10 @@ def _print(result: dict[str, Any]) -> None:
     if result["paused_s"]:
         say(f", the bench itself was kept from running for {result['paused_s']:.3f} s")
     say("\n")
+    for key, figures in result["punctuality"].items():
+        subject = key.replace("latency_", "sensor to ").replace("_", " ")
+        said = ", ".join(f"{word} {figures[name]:.2f}" for word, name in FIGURES.items() if name in figures)
+        say(f"{subject} {said} ms\n")
     say(f"bag {result['bag']}\n")
     if result["report"]:
         say(f"report {result['report']}\n")
