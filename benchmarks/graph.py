@@ -9,7 +9,6 @@ Every round flies and ping-pongs in turn, so that a machine that slows down does
 from __future__ import annotations
 
 import argparse
-import os
 import statistics
 import sys
 import tempfile
@@ -27,12 +26,12 @@ from heli_flight.order import FlightOrder, Mode
 from heli_flight.plan import load_plan
 from heli_flight.process_group import ProcessGroup
 from heli_flight.process_table import environment, processes
+from heli_flight.processor_time import processor_seconds
 from heli_flight.progress import Progress
 
 STEPS_PER_SECOND = 1e9 / CONTROL_PERIOD_NS
 FLOOR = Path(__file__).with_name("ping_pong.py")
 PATIENCE_SECONDS = 120.0
-TICKS = os.sysconf("SC_CLK_TCK")
 SETTLED = 8.0
 """Simulated seconds after which the flight goes at its own speed."""
 
@@ -46,7 +45,7 @@ class Watch:
     def tell(self, progress: Progress) -> None:
         """Look, if the flight has settled."""
         if progress.time >= SETTLED and not progress.state.ended:
-            self.looks = [*self.looks[:1], (progress.time, perf_counter(), used())]
+            self.looks = [*self.looks[:1], (progress.time, perf_counter(), processor_seconds())]
 
     @property
     def speed(self) -> float:
@@ -60,21 +59,6 @@ class Watch:
         (first, _, before), (last, _, after) = self.looks
         steps = (last - first) * STEPS_PER_SECOND
         return {name: 1e3 * (after[name] - before[name]) / steps for name in after if name in before}
-
-
-def used() -> dict[str, float]:
-    """Processor time of every child of this process, by the last word of its module [s]."""
-    found = {}
-    for entry in Path("/proc").glob("[0-9]*"):
-        try:
-            fields = (entry / "stat").read_text().rpartition(")")[2].split()
-            words = (entry / "cmdline").read_text().split("\0")
-        except OSError:
-            continue
-        if int(fields[1]) == os.getpid() and "-m" in words:
-            name = words[words.index("-m") + 1].rpartition(".")[2].removesuffix("_node")
-            found[name] = (int(fields[11]) + int(fields[12])) / TICKS
-    return found
 
 
 def flight(order: FlightOrder, mode: Mode, folder: Path) -> Watch:
