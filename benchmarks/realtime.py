@@ -185,12 +185,12 @@ def flown(order: FlightOrder, case: Case, title: str) -> Found:
 
 def verdict(case: Case, found: Found) -> tuple[bool, str]:
     """Whether nothing that is demanded is missed, and in words."""
-    if not case.scheduled:
-        return True, f"nothing is demanded; {'; '.join(found.missed()) or 'all bounds held'}"
     missed = found.missed()
-    if not found.scheduled:
+    if case.scheduled and not found.scheduled:
         missed.insert(0, "real-time scheduling is not permitted here")
-    return not missed, "; ".join(missed) or "all bounds held"
+    held = not missed or not case.scheduled
+    word = "held" if not missed else "MISSED" if case.scheduled else "missed, as nothing is demanded"
+    return held, f"{word}: {'; '.join(missed) or 'all bounds'}"
 
 
 def say(name: str, case: Case, found: Found) -> None:
@@ -212,8 +212,7 @@ def say(name: str, case: Case, found: Found) -> None:
         nodes.add_row(node, f"{share:.1f}")
     nodes.add_row("all", f"{sum(found.shares.values()):.1f}")
     console.print(nodes)
-    held, words = verdict(case, found)
-    console.print(f"{'held' if held else 'MISSED'}: {words}")
+    console.print(verdict(case, found)[1])
 
 
 @contextlib.contextmanager
@@ -251,7 +250,8 @@ def main() -> int:
         parser.error(f"--cases: {unknown[0]!r} (allowed: {', '.join(CASES)})")
     if not 0.1 <= options.minutes <= 60.0:
         parser.error(f"--minutes: {options.minutes} (allowed: 0.1 .. 60)")
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for number in (signal.SIGINT, signal.SIGTERM):  # a shell's background has SIGINT ignored
+        signal.signal(number, signal.default_int_handler)
     results: dict[str, Found] = {}
     try:
         with place(options.out) as folder:
