@@ -87,8 +87,10 @@ def fly_run(
         RuntimeError: it ended otherwise than flown or stopped.
     """
     bag = folder / str(run).replace(" ", "_")
+    # under real-time scheduling the load would hardly be felt
+    order = replace(order, mode=run.mode, bag=bag, real_time_scheduling=not run.loaded)
     with every_core_busy(run.loaded):
-        end = fly(replace(order, mode=run.mode, bag=bag), tell, warn)
+        end = fly(order, tell, warn)
     if end.exit_code == EXIT_INTERRUPTED:
         raise KeyboardInterrupt
     if end.exit_code == EXIT_BAD_INPUT:
