@@ -14,6 +14,7 @@ import argparse
 import contextlib
 import json
 import signal
+import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -34,12 +35,15 @@ from heli_flight.flight_hash import count_check
 from heli_flight.flying import fly
 from heli_flight.machine_load import every_core_busy
 from heli_flight.order import FlightOrder, Mode
+from heli_flight.process_table import PROCESSES, environment
 from heli_flight.processor_time import processor_seconds
 from heli_flight.progress import Progress
 from heli_flight.punctuality import PERIOD, punctuality
 
 LATENCY_BOUND_MS, JITTER_BOUND_MS = 5.0, 1.0
 """What 99.9 % of the commands and of the control periods must stay below with real-time scheduling."""
+
+PULSE, PULSE_SECONDS = Path(__file__).with_name("pulse.py"), 30.0
 
 SETTLED = 10.0
 """Simulated seconds after which processor time is counted."""
@@ -92,6 +96,7 @@ class Found:
         paused_s: for how long the bench itself was kept from running [s].
         punctuality: median, quantiles and maximum by subject [ms], see `heli_flight.punctuality`.
         shares: processor time of each node [% of a core].
+        machine: jitter of a bare loop of the same period and load, before the flight [ms].
     """
 
     minutes: float
@@ -102,6 +107,7 @@ class Found:
     paused_s: float
     punctuality: dict[str, dict[str, float]]
     shares: dict[str, float]
+    machine: dict[str, float]
 
     def missed(self) -> list[str]:
         """Bounds of real-time scheduling that the flight has missed."""
@@ -138,6 +144,16 @@ class Shares:
         return {name: round(100.0 * (after[name] - before[name]) / (ended - began), 2) for name in shared}
 
 
+def bare_jitter(case: Case) -> dict[str, float]:
+    """Jitter of a loop that computes nothing [ms]: what the machine itself costs."""
+    priority = PROCESSES[0].priority if case.scheduled else 0
+    words = [sys.executable, str(PULSE), str(PULSE_SECONDS), str(priority)]
+    with every_core_busy(case.loaded):
+        said = subprocess.run(words, env=environment(), stdout=subprocess.PIPE, text=True, check=True).stdout
+    figures: dict[str, float] = json.loads(said)
+    return figures
+
+
 def plan_text(minutes: float) -> str:
     """The plan file of a hover of so many minutes."""
     return f"{PLAN.lstrip()}  - hover: {{duration: {60.0 * minutes!r}}}\n  - land: {{}}\n  - run_down: {{}}\n"
@@ -151,7 +167,7 @@ def flown(order: FlightOrder, case: Case, title: str) -> Found:
         SystemExit: no bag was left.
     """
     order = replace(order, mode=Mode.REALTIME, real_time_scheduling=case.scheduled)
-    shares, warnings = Shares(), []
+    shares, warnings, machine = Shares(), [], bare_jitter(case)
     with every_core_busy(case.loaded), LiveProgress(order.plan.duration, quiet=False) as live:
         live.warn(title)
 
@@ -180,6 +196,7 @@ def flown(order: FlightOrder, case: Case, title: str) -> Found:
         paused_s=float(remarks.get("paused_s", 0.0)),
         punctuality=punctuality(remarks),
         shares=shares.percent(),
+        machine=machine,
     )
 
 
@@ -205,6 +222,7 @@ def say(name: str, case: Case, found: Found) -> None:
     for subject, figures in found.punctuality.items():
         words = subject.replace("latency_", "sensor to ").replace("_", " ")
         table.add_row(words, *(f"{figures[each]:.2f}" for each in FIGURES))
+    table.add_row("bare loop before", *(f"{found.machine[each]:.2f}" for each in FIGURES))
     console.print(table)
     nodes = Table("node", box=None, pad_edge=False)
     nodes.add_column("% of a core", justify="right")
@@ -250,8 +268,8 @@ def main() -> int:
         parser.error(f"--cases: {unknown[0]!r} (allowed: {', '.join(CASES)})")
     if not 0.1 <= options.minutes <= 60.0:
         parser.error(f"--minutes: {options.minutes} (allowed: 0.1 .. 60)")
-    for number in (signal.SIGINT, signal.SIGTERM):  # a shell's background has SIGINT ignored
-        signal.signal(number, signal.default_int_handler)
+    for interrupt in (signal.SIGINT, signal.SIGTERM):  # a shell's background has SIGINT ignored
+        signal.signal(interrupt, signal.default_int_handler)
     results: dict[str, Found] = {}
     try:
         with place(options.out) as folder:

@@ -176,8 +176,8 @@ class Navigator:
         biases = self._filter.biases
         biases[BiasMessage.noise : BiasMessage.deviation] = self._noise
         return [
+            Message("odometry", stamp_ns, odometry),  # first, for a command waits for it
             Message("odometry_imu", stamp_ns, odometry),
-            Message("odometry", stamp_ns, odometry),
             Message("imu_attitude", stamp_ns, self._by_imu.message),
             Message("imu_bias", stamp_ns, biases),
         ]

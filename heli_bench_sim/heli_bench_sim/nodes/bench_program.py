@@ -12,6 +12,7 @@ from heli_common.component import Message
 from heli_common.errors import SafetyStop
 from heli_common.nodes.connection import Connection
 from heli_common.nodes.requests import Requests
+from heli_common.nodes.scheduling import Awake
 from heli_common.timing import COMMAND_LATENCY_NS, CONTROL_PERIOD_NS, SENSOR_PERIOD_NS, is_control_tick
 from heli_common.topics import BENCH_SIM, OPTIONAL_NODES, RECORDER, SUPERVISOR, TOPICS
 
@@ -61,12 +62,15 @@ class BenchProgram:
         self._left_regime = 0
         self._closing_since = 0.0
         self._latency, self._jitter = Latency(simulator.inputs), Jitter()
+        self._awake: Awake | None = None
         self._requests = Requests()
         self._unpack = {topic: TOPICS[topic].layout.unpack for topic in self.inputs}
 
     def start(self, connection: Connection) -> None:
         """The graph is wired; the first sample follows when every node of it has said that it is ready."""
         self._connection = connection
+        if self._mode == REALTIME:
+            self._awake = Awake()
         self._requests.tell(connection, 0)
         self._progress_at = monotonic()
 
@@ -105,8 +109,10 @@ class BenchProgram:
         return IDLE_SECONDS
 
     def close(self) -> None:
-        """Whatever ended the flight, the motor is off."""
+        """Whatever ended the flight, the motor is off and the cores may sleep."""
         self.simulator.switch_off()
+        if self._awake is not None:
+            self._awake.end()
 
     def _wait_for_nodes(self, connection: Connection) -> float:
         if absent := connection.absent():
@@ -187,6 +193,8 @@ class BenchProgram:
         late, left = self.simulator.late, self.simulator.left_regime
         values = self.simulator.remarks() | {"mode": self._mode}
         if self._mode == REALTIME:
+            awake = self._awake is not None and self._awake.held
+            values |= {"cores_kept_awake": "yes" if awake else "no"}
             values |= {"pauses": str(len(self._pauses)), "paused_s": f"{sum(self._pauses):.3f}"}
         values |= self._latency.figures() | self._jitter.figures() if text == "ended" else {}
         level = "warn" if any(late.values()) or self._pauses or left else "ok"

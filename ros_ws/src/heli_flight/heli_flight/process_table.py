@@ -45,15 +45,16 @@ _VERBS = {topics.RECORDER: "record"}
 
 PROCESSES: tuple[Process, ...] = (
     Process(topics.BENCH_SIM, "heli_bench_sim", 40),
-    Process(topics.NAVIGATION, "heli_navigation", 36),
+    Process(topics.NAVIGATION, "heli_navigation", 35),
     Process(topics.SUPERVISOR, "heli_flight", 35),
-    Process(topics.POSITION_CONTROLLER, "heli_control", 34),
-    Process(topics.ATTITUDE_CONTROLLER, "heli_control", 33),
-    Process(topics.MOTOR_CONTROLLER, "heli_control", 32),
-    Process(topics.IDENTIFICATION, "heli_identification", 34),
+    Process(topics.POSITION_CONTROLLER, "heli_control", 35),
+    Process(topics.ATTITUDE_CONTROLLER, "heli_control", 35),
+    Process(topics.MOTOR_CONTROLLER, "heli_control", 35),
+    Process(topics.IDENTIFICATION, "heli_identification", 35),
     Process(topics.RECORDER, "heli_flight", 10),
 )
-"""Priorities fall along the way from sensor to command; the recorder only drains buffers."""
+"""The bench keeps time, so it comes first; those between sample and command are equals, none of which
+interrupts another that publishes; the recorder only drains buffers."""
 
 LOCKSTEP_PRIORITY = 1
 """SCHED_FIFO priority of every node in lockstep. Among equals nobody interrupts the one that publishes, and a
