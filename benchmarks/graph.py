@@ -83,12 +83,17 @@ def flight(order: FlightOrder, mode: Mode, folder: Path) -> Watch:
 
 
 def floor(mode: Mode, scheduled: bool) -> Watch:
-    """Ping-pong of the same messages."""
-    nodes = [process.name for process in processes(identified=False)]
-    priority = LOCKSTEP_PRIORITY if scheduled else 0
-    settings = ["--ros-args", "-p", f"running:={','.join(nodes)}", "-p", f"real_time_priority:={priority}"]
-    names = [COMPOSED] if mode is Mode.COMPOSED else nodes
-    commands = {name: [sys.executable, str(FLOOR), name, *settings] for name in names}
+    """Ping-pong of the same messages; in real time they come by the clock."""
+    nodes = processes(identified=False)
+    paced = mode is Mode.REALTIME
+    commands = {}
+    for node in [nodes[0]] if mode is Mode.COMPOSED else nodes:
+        name = COMPOSED if mode is Mode.COMPOSED else node.name
+        priority = (node.priority if paced else LOCKSTEP_PRIORITY) if scheduled else 0
+        settings = {"running": ",".join(each.name for each in nodes), "real_time_priority": priority}
+        settings |= {"paced": int(paced)} if node is nodes[0] else {}
+        words = [word for key, value in settings.items() for word in ("-p", f"{key}:={value}")]
+        commands[name] = [sys.executable, str(FLOOR), name, "--ros-args", *words]
     watch, deadline = Watch(), perf_counter() + PATIENCE_SECONDS
     with ProcessGroup(commands, environment()) as group:
         while perf_counter() < deadline:

@@ -1,20 +1,31 @@
 """The middleware's own floor: the same messages between the same processes, computing nothing.
 
 Run by `benchmarks/graph.py`, one process a node: `ping_pong.py NODE --ros-args -p running:=...`;
-all of them in one thread: `ping_pong.py composed --ros-args ...`.
+all of them in one thread: `ping_pong.py composed --ros-args ...`. With `-p paced:=1` the samples come at
+their times by the clock, whatever is answered.
 """
 
 from __future__ import annotations
 
 import sys
+from time import perf_counter
 
-from heli_common.nodes.runner import Build, ComponentProgram, run_node, run_nodes  # first: takes the signals
+from heli_common.nodes.runner import (  # first: it takes the signals before rclpy
+    Build,
+    ComponentProgram,
+    Program,
+    run_node,
+    run_nodes,
+)
 
 # isort: split
+from rclpy.node import Node
+
 from heli_bench_sim.nodes.bench_program import RECORDER_LAG_NS
 from heli_bench_sim.simulator import BenchSimulator
 from heli_common.component import Message, StampJoin
 from heli_common.nodes.connection import Connection
+from heli_common.nodes.parameters import declare_integer
 from heli_common.timing import COMMAND_LATENCY_NS, SENSOR_PERIOD_NS, is_command_tick, is_control_tick
 from heli_common.topics import BENCH_SIM, RECORDER, TOPICS, data_topics
 from heli_control.attitude_control import AttitudeController
@@ -57,7 +68,11 @@ class Echo:
 
 
 class Bench:
-    """Sends samples, waits for commands as in lockstep; says its time [s] when warm and when done."""
+    """Sends samples, waits for commands as in lockstep; says its time [s] when warm and when done.
+
+    Args:
+        paced: send by the clock and wait for nothing.
+    """
 
     name = BENCH_SIM
     inputs = (*BenchSimulator.inputs, "recorder_ack")
@@ -65,8 +80,9 @@ class Bench:
     waking = ("servo_command", "motor_command")
     ends = True
 
-    def __init__(self) -> None:
+    def __init__(self, paced: bool) -> None:
         self.finished = False
+        self._paced, self._clock_zero = paced, 0.0
         self._stamp_ns = -SENSOR_PERIOD_NS
         self._newest = dict.fromkeys(self.inputs, -1)
         self._connection: Connection | None = None
@@ -78,18 +94,29 @@ class Bench:
     def on_message(self, topic: str, data: bytes) -> None:
         """Note a command and go on as far as that allows."""
         self._newest[topic] = TOPICS[topic].layout.unpack(data)[0]
-        self._advance()
+        if not self._paced:
+            self._advance()
 
     def turn(self) -> float:
-        """Begin when everybody is there."""
+        """Begin when everybody is there; then go on by the clock, if at all."""
         if self._connection is not None and self._stamp_ns < 0 and not self._connection.absent():
+            self._clock_zero = perf_counter()
             self._advance()
-        return 0.02
+        if not self._paced or self._stamp_ns < 0:
+            return 0.02
+        self._advance()
+        return max(0.0, self._due - perf_counter())
 
     def close(self) -> None:
         """Nothing to finish."""
 
+    @property
+    def _due(self) -> float:
+        return self._clock_zero + 1e-9 * (self._stamp_ns + SENSOR_PERIOD_NS)
+
     def _blocked(self) -> bool:
+        if self._paced:
+            return perf_counter() < self._due
         due = self._stamp_ns - COMMAND_LATENCY_NS
         behind = self._stamp_ns - self._newest["recorder_ack"] > RECORDER_LAG_NS
         missing = is_command_tick(self._stamp_ns) and any(
@@ -147,8 +174,13 @@ class Recorder:
 
 def build(name: str) -> Build:
     """How to make the program of a node."""
-    own = {BENCH_SIM: Bench, RECORDER: Recorder}
-    return lambda *_: own[name]() if name in own else ComponentProgram(Echo(name))
+
+    def program(node: Node, _running: tuple[str, ...]) -> Program:
+        if name == BENCH_SIM:
+            return Bench(bool(declare_integer(node, "paced", 0, "1: by the clock", 0, 1)))
+        return Recorder() if name == RECORDER else ComponentProgram(Echo(name))
+
+    return program
 
 
 def main() -> None:
