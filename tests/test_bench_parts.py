@@ -5,6 +5,8 @@ import subprocess
 import sys
 
 import numpy as np
+import pytest
+from brief import brief
 
 from heli_bench_sim.bench import Bench
 from heli_bench_sim.imu import ImuReading
@@ -14,26 +16,17 @@ from heli_control.controller_file import load_controller
 from heli_flight.components import controllers, supervisor
 from heli_flight.flight_record import FlightRecord
 from heli_flight.in_process import InProcessGraph
-from heli_flight.plan import load_plan
+from heli_flight.plan import parse_plan
 
-DIP = """
-name: dip
-about: the supply sags for a moment in hover, in wind from the front and with gusts
-seed: 3
-controller: lq
+FAULTS = """
 room: gusty
-phases:
-  - home: {}
-  - run_up: {}
-  - take_off: {height: 0.0, speed: 0.5}
-  - hover: {duration: 8.0, wind_m_s: 0.0, wind_to_m_s: 3.0}
-  - land: {}
-  - run_down: {duration: 0.5}
 faults:
-  - {kind: supply_sag, voltage_fraction: 0.3, at_s: 21.0, for_s: 0.35}
-  - {kind: imu_bias_jump, axis: gyro_z, size_deg_s: 3.0, at_s: 22.0}
-  - {kind: encoder_lost_counts, encoder: yaw, counts: 3, at_s: 23.0}
+  - {kind: supply_sag, voltage_fraction: 0.3, at_s: 15.0, for_s: 0.35}
+  - {kind: imu_bias_jump, axis: gyro_z, size_deg_s: 3.0, at_s: 16.0}
+  - {kind: encoder_lost_counts, encoder: yaw, counts: 3, at_s: 17.0}
 """
+DIP = brief("hover: {duration: 7.0, wind_m_s: 0.0, wind_to_m_s: 3.0}", seed=3, more=FAULTS)
+"""The supply sags for a moment in hover, in wind from the front and with gusts."""
 
 REQUEST = """
 import sys
@@ -84,9 +77,9 @@ def test_wind_gusts_and_faults_of_a_plan_are_the_same_in_both_ways_and_visible(h
         record = read(heli, mode)
         assert record.custom_data["regime_underspeed"].startswith("underspeed: rotor speed [rad/s] 14")
         time, sag = series(record, "bench_condition", "position.supply_sag")
-        assert np.allclose(time[sag > 0.0][[0, -1]], [21.0, 21.34])
+        assert np.allclose(time[sag > 0.0][[0, -1]], [15.0, 15.34])
         time, bias = series(record, "bench_condition", "position.gyro_z")
-        jump = bias[np.searchsorted(time, 22.1)] - bias[np.searchsorted(time, 21.9)]
+        jump = bias[np.searchsorted(time, 16.1)] - bias[np.searchsorted(time, 15.9)]
         assert np.isclose(np.degrees(jump), -3.0, atol=0.1)  # to the left in messages
         _, lost = series(record, "bench_condition", "position.encoder_lost_counts")
         assert lost[0] == 0.0 and lost[-1] == 8.0
@@ -96,8 +89,10 @@ def test_wind_gusts_and_faults_of_a_plan_are_the_same_in_both_ways_and_visible(h
         assert north.min() < -1.0
 
 
+@pytest.mark.alone
 def test_a_fault_by_service_on_the_running_graph(heli, wait_for):
-    first = heli.start("fly", "short_hover", "--mode", "realtime", "--name", "b", "--no-report", "--json")
+    (heli.folder / "plan.yaml").write_text(brief("hover: {duration: 2.0}"))
+    first = heli.start("fly", "plan.yaml", "--mode", "realtime", "--name", "b", "--no-report", "--json")
     wait_for(lambda: any(path.stat().st_size > 150_000 for path in heli.folder.glob("flights/*/*.mcap")))
     asked = subprocess.run(
         [sys.executable, "-c", REQUEST, "coffee_spilled", "imu_dropout for_s=0.5"],
@@ -120,12 +115,13 @@ def test_a_fault_by_service_on_the_running_graph(heli, wait_for):
 
 def test_two_helicopters_from_parameter_files_fly_the_same_plan(heli):
     text = "bench_sim: {{ros__parameters: {{helicopter: {{mass: {}, drag_area: {}}}}}}}\n"
+    (heli.folder / "plan.yaml").write_text(brief("hover: {duration: 4.0}"))
     loads = {}
     for name, mass, drag in (("light", 7.2, 0.1), ("heavy", 7.4, 0.3)):
         (heli.folder / f"{name}.yaml").write_text(text.format(mass, drag))
-        fly(heli, "short_hover", "lockstep", name, "--params-file", f"{name}.yaml")
+        fly(heli, "plan.yaml", "lockstep", name, "--params-file", f"{name}.yaml")
         time, collective = series(read(heli, name), "actuator_state", "position.theta_0")
-        hover = (time > 20.0) & (time < 22.0)
+        hover = (time > 14.0) & (time < 16.0)
         loads[name] = np.degrees(collective[hover].mean())
     assert loads["heavy"] - loads["light"] > 0.08
 
@@ -138,7 +134,7 @@ class CalmImu:
 
 
 def test_a_flight_with_a_user_s_own_imu(tmp_path):
-    plan, seen = load_plan("short_hover"), {"imu": [], "ground_truth": []}
+    plan, seen = parse_plan(brief("hover: {duration: 3.0}")), {"imu": [], "ground_truth": []}
 
     def look(topic, stamp_ns, data):
         if topic in seen:

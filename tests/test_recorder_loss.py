@@ -46,6 +46,7 @@ def everybody_reads(folder):
     return bag
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
 def test_a_killed_recorder_leaves_all_but_the_last_second(heli, wait_for, storage):
     words = ("fly", "hover_steps", "--mode", "realtime", "--name", "b", "--no-report", "--storage", storage)

@@ -140,6 +140,17 @@ def test_failed_compilation_alone_is_repeated(bench: Bench) -> None:
     assert bench.calls() == [COMPILE]
 
 
+def test_compiling_may_be_left_for_later(bench: Bench) -> None:
+    bench.run("setup.sh", "--dev", "--no-kernels")
+    assert COMPILE not in bench.calls()
+    bench.run("setup.sh", "--no-kernels")
+    assert bench.calls() == []
+    bench.run("setup.sh", "--dev")
+    assert bench.calls() == [COMPILE]
+    bench.run("setup.sh")
+    assert bench.calls() == []
+
+
 def test_edits_lead_to_what_they_concern(bench: Bench) -> None:
     bench.run("setup.sh")
     bench.calls()

@@ -2,39 +2,21 @@
 
 import json
 
-PLAN = "short_hover"
-GUSTY = """
-name: gusty
-about: A short flight in wind and gusts with an encoder that sticks.
-seed: 3
-controller: gst2
-room: gusty
-faults: [{kind: encoder_stuck, encoder: arm_1, at_s: 14.5, for_s: 0.1}]
-phases:
-  - home: {duration: 8.0}
-  - run_up: {duration: 2.0}
-  - take_off: {height: -0.3, speed: 0.3}
-  - hover: {duration: 1.0, wind_m_s: 3.0}
-  - land: {speed: 0.3}
-  - run_down: {duration: 1.0}
-"""
-EXCITED = """
-name: excited
-about: A short flight with the identification.
-seed: 4
-controller: lq
-phases:
-  - home: {duration: 8.0}
-  - run_up: {duration: 2.0}
-  - take_off: {height: -0.3, speed: 0.3}
-  - excite: {signal: prbs, channel: B_1s, amplitude_deg: 0.5, band_rad_s: [0.5, 12], duration: 2.0}
-  - land: {speed: 0.3}
-  - run_down: {duration: 1.0}
-"""
+import pytest
+from brief import brief
+
+FAULTY = "room: gusty\nfaults: [{kind: encoder_stuck, encoder: arm_1, at_s: 12.0, for_s: 0.1}]"
+GUSTY = brief("hover: {duration: 1.0, wind_m_s: 3.0}", height=-0.3, seed=3, controller="gst2", more=FAULTY)
+"""In wind and gusts, with an encoder that sticks."""
+PRBS = "signal: prbs, channel: B_1s, amplitude_deg: 0.5, band_rad_s: [0.5, 12], duration: 2.0"
+EXCITED = brief(f"excite: {{{PRBS}}}", height=-0.3, seed=4)
+"""With the identification."""
+STEP = brief("hover: {duration: 2.0}", "step: {axis: x, amplitude: 0.10, duration: 2.0}")
 
 
 def fly(heli, mode, name, *more):
-    ran = heli("fly", PLAN, "--mode", mode, "--name", name, "--json", "--no-report", *more)
+    (heli.folder / "step.yaml").write_text(STEP)
+    ran = heli("fly", "step.yaml", "--mode", mode, "--name", name, "--json", "--no-report", *more)
     assert ran.returncode == 0, ran.stderr
     return json.loads(ran.stdout)
 
@@ -61,6 +43,7 @@ def test_a_flight_that_excites_is_the_same_in_every_way_with_and_without_load(he
     assert len(verified(heli, EXCITED, "--times", "1")) == 6
 
 
+@pytest.mark.alone
 def test_real_time_loses_nothing_and_has_the_lockstep_hash_unless_late(heli):
     flight = fly(heli, "realtime", "r")
     assert flight["lost_messages"] == 0

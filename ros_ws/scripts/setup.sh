@@ -3,6 +3,7 @@
 #
 #   setup.sh          what flying needs     (requirements.txt)
 #   setup.sh --dev    and what testing needs (requirements-dev.txt; a browser, if apt-get may install it)
+#   setup.sh --dev --no-kernels   the same, but the flight code is compiled when somebody asks without this
 #
 # It lands in .venv in the repository, or where HELI_VENV says. HELI_PYTHON names another Python to build it
 # with. pip's own variables (PIP_INDEX_URL, ...) are respected. Exit code 2: no usable Python.
@@ -16,11 +17,14 @@ fail() {
     exit 2
 }
 
-case "$*" in
-    "") kind=run ;;
-    --dev) kind=dev ;;
-    *) fail "unknown arguments: $* (only --dev is known)" ;;
-esac
+kind=run kernels=1
+for word; do
+    case $word in
+        --dev) kind=dev ;;
+        --no-kernels) kernels=0 ;;
+        *) fail "unknown arguments: $* (allowed: --dev, --no-kernels)" ;;
+    esac
+done
 
 python=$HELI_VENV/bin/python
 stamp=$HELI_VENV/.heli_setup # lines "run KEY", "dev KEY", "kernels KEY"; a line stands for a completed part
@@ -48,7 +52,7 @@ kernels_key() { find "${modules[@]}" -name '*.py' -print0 | sort -z | key_of "$c
 
 stamped() { [[ -f $stamp && $'\n'$(<"$stamp")$'\n' == *$'\n'"$1 $2"$'\n'* ]]; }
 installed() { [[ -x $python && -f $HELI_VENV/pyvenv.cfg ]] && stamped "$kind" "$(install_key "$kind")"; }
-compiled() { [[ -d $cache ]] && stamped kernels "$(kernels_key)"; }
+compiled() { ((!kernels)) || { [[ -d $cache ]] && stamped kernels "$(kernels_key)"; }; }
 
 # A venv whose set-up broke off (an empty stamp) or whose Python is gone is made afresh; any other is updated.
 usable() { [[ -f $HELI_VENV/pyvenv.cfg && (-s $stamp || ! -f $stamp) ]] && "$python" -c '' 2>/dev/null; }
