@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # All checks of the project; with arguments only pytest, which gets them: tests/run.sh -k inflow
 # Two checks run at a time, so that both cores are busy: those that need no compiled code while set-up compiles, then
-# the packages' own tests beside those of the whole graph. The tests marked `alone`, flights in real time, come last.
+# the tests. Beside those marked `alone`, flights in real time, others get only what these leave of the processor.
 # shellcheck source=ros_ws/scripts/_environment.sh
 source "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/../ros_ws/scripts/_environment.sh"
 cd -- "$HELI_ROOT"
@@ -20,7 +20,7 @@ said=$(mktemp -d)
 trap 'rm -rf -- "$said"' EXIT
 touch "$said/failed"
 
-# Run a check to its end, then print all that it said at once. Bash has what it puts into the background ignore SIGINT.
+# Run a check to its end, then print all that it said. What bash puts into the background would not hear Ctrl-C.
 check() { # NAME COMMAND...
     local code=0 began=$SECONDS
     env --default-signal=INT "${@:2}" </dev/null >"$said/$1" 2>&1 || code=$?
@@ -32,27 +32,31 @@ beside() {
     while (($(jobs -rp | wc -l) > 1)); do wait -n; done
     check "$@" &
 }
-# Pytest with nine ROS domains that no other one here uses.
-domains=1
-tests() { # NAME ARGUMENTS...
-    HELI_TEST_DOMAINS=$domains-$((domains + 8)) beside "$1" python -m pytest "${@:2}"
-    domains=$((domains + 9))
+tests() { # NAME DOMAINS ARGUMENTS...
+    HELI_TEST_DOMAINS=$2 beside "$1" python -m pytest "${@:3}"
+}
+idly() { # NAME ARGUMENTS...
+    beside "$1" chrt --idle 0 python -m pytest "${@:2}"
 }
 modules=(heli_common heli_bench_sim heli_navigation heli_control heli_identification heli_flight)
+ways=(tests/test_{ways_of_running,side_by_side,live_graph,refusals}.py)
 
 beside kernels ros_ws/scripts/setup.sh --dev
 kernels=$!
 beside lint ruff check
 beside format ruff format --check
 beside types mypy "${modules[@]/#/-p}"
-tests control heli_control
+beside control python -m pytest heli_control
 wait "$kernels"
-tests graph -m "not alone" --durations=12 tests
-tests flight --durations=12 ros_ws/src/heli_flight
-tests bench heli_bench_sim
-tests navigation heli_navigation
-tests identification heli_identification ros_ws/src/heli_common
+tests alone 1-30 -m alone --durations=12 tests
+alone=$!
+idly flight --durations=12 ros_ws/src/heli_flight
+idly bench heli_bench_sim
+wait "$alone"
+tests ways 31-60 -m "not alone" --durations=12 "${ways[@]}"
+tests graph 61-90 -m "not alone" --durations=12 tests "${ways[@]/#/--ignore=}"
+beside navigation python -m pytest heli_navigation
+beside identification python -m pytest heli_identification ros_ws/src/heli_common
 wait
-check alone python -m pytest -m alone --durations=12 tests
 mapfile -t failed <"$said/failed"
 ((!${#failed[@]})) || { echo "failed: ${failed[*]}" && exit 1; }

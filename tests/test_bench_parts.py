@@ -91,7 +91,7 @@ def test_wind_gusts_and_faults_of_a_plan_are_the_same_in_both_ways_and_visible(h
 
 @pytest.mark.alone
 def test_a_fault_by_service_on_the_running_graph(heli, wait_for):
-    (heli.folder / "plan.yaml").write_text(brief("hover: {duration: 2.0}"))
+    (heli.folder / "plan.yaml").write_text(brief(height=-0.35))
     first = heli.start("fly", "plan.yaml", "--mode", "realtime", "--name", "b", "--no-report", "--json")
     wait_for(lambda: any(path.stat().st_size > 150_000 for path in heli.folder.glob("flights/*/*.mcap")))
     asked = subprocess.run(

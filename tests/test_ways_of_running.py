@@ -14,9 +14,9 @@ EXCITED = brief(f"excite: {{{PRBS}}}", height=-0.3, seed=4)
 STEP = brief("hover: {duration: 2.0}", "step: {axis: x, amplitude: 0.10, duration: 2.0}")
 
 
-def fly(heli, mode, name, *more):
-    (heli.folder / "step.yaml").write_text(STEP)
-    ran = heli("fly", "step.yaml", "--mode", mode, "--name", name, "--json", "--no-report", *more)
+def fly(heli, mode, name, *more, plan=STEP):
+    (heli.folder / "plan.yaml").write_text(plan)
+    ran = heli("fly", "plan.yaml", "--mode", mode, "--name", name, "--json", "--no-report", *more)
     assert ran.returncode == 0, ran.stderr
     return json.loads(ran.stdout)
 
@@ -45,12 +45,12 @@ def test_a_flight_that_excites_is_the_same_in_every_way_with_and_without_load(he
 
 @pytest.mark.alone
 def test_real_time_loses_nothing_and_has_the_lockstep_hash_unless_late(heli):
-    flight = fly(heli, "realtime", "r")
+    flight = fly(heli, "realtime", "r", plan=GUSTY)
     assert flight["lost_messages"] == 0
     assert flight["wall_s"] >= flight["simulated_s"]
     assert set(flight["late_commands"]) == {"late_servo_command", "late_motor_command", "late_flight_state"}
     if not any(flight["late_commands"].values()):
-        assert flight["sha256"] == fly(heli, "inprocess", "p")["sha256"]
+        assert flight["sha256"] == fly(heli, "inprocess", "p", plan=GUSTY)["sha256"]
 
 
 def test_a_parameter_file_means_the_same_in_both_ways(heli):

@@ -97,13 +97,15 @@ install() {
     say "installing $requirements (a minute, once)"
     # The files are complete, so pip has nothing to resolve, which old versions of it get wrong with extras. One
     # package comes as source only: it is built with the pinned setuptools, not with the newest there is.
-    local pip=("$python" -m pip --disable-pip-version-check --quiet install --no-deps)
+    local pip=("$python" -m pip --disable-pip-version-check --quiet install --no-deps --no-compile)
     first=$(awk '/^setuptools==/ {on = 1} on {print} on && !/\\$/ {exit}' "$requirements")
     "${pip[@]}" --require-hashes -r /dev/stdin <<<"$first"
     pip+=(--no-build-isolation --use-pep517)
     "${pip[@]}" --require-hashes -r "$requirements"
     say "installing the six packages"
     "${pip[@]}" "${packages[@]/#/--editable=./}"
+    # Bytecode of what will be imported, on every core: pip would write that of the packages' tests, too, on one.
+    "$python" -m compileall -q -j 0 -x '/tests?/' "$HELI_VENV/lib" >/dev/null || say "some bytecode is missing"
     register
     {
         echo "run $(install_key run)"
@@ -148,8 +150,8 @@ browser() {
     say "no browser: the tests that open reports in one will fail (apt install chromium)"
 }
 
-if [[ $kind == dev ]]; then browser; fi
-if installed && compiled; then exit; fi
+if [[ $kind == dev ]]; then browser & fi # beside pip
+if installed && compiled; then wait && exit; fi
 
 if [[ -n $(ls -A -- "$HELI_VENV" 2>/dev/null) && ! -f $HELI_VENV/pyvenv.cfg && ! -f $HELI_VENV/.heli_lock ]]; then
     fail "HELI_VENV=$HELI_VENV is a folder with other things in it"
@@ -164,4 +166,5 @@ if ! installed; then
     install
 fi
 compiled || compile
+wait
 say "complete after $SECONDS s"
