@@ -48,9 +48,9 @@ beside format ruff format --check
 beside types mypy "${modules[@]/#/-p}"
 beside control python -m pytest heli_control
 wait "$kernels"
+idly flight --durations=12 ros_ws/src/heli_flight
 tests alone 1-30 -m alone --durations=12 tests
 alone=$!
-idly flight --durations=12 ros_ws/src/heli_flight
 idly bench heli_bench_sim
 wait "$alone"
 tests ways 31-60 -m "not alone" --durations=12 "${ways[@]}"

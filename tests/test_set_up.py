@@ -44,6 +44,8 @@ class Bench:
         shutil.copytree(ROOT / "ros_ws/scripts", self.root / "ros_ws/scripts")
         for name in ("requirements.txt", "requirements-dev.txt"):
             shutil.copy(ROOT / name, self.root)
+        (self.root / "tests").mkdir()
+        shutil.copy(ROOT / "tests/run.sh", self.root / "tests")
         for setup in (*ROOT.glob("heli_*/setup.py"), *ROOT.glob("ros_ws/src/heli_[cf]*/setup.py")):
             package = self.root / setup.parent.relative_to(ROOT)
             if not package.exists():
@@ -95,7 +97,10 @@ def test_set_up_makes_installs_compiles_and_then_rests(bench: Bench) -> None:
     assert make == f"-m venv -- {bench.root}/.venv"
     assert "--require-hashes" in first and first.endswith("-r /dev/stdin")
     assert "--require-hashes" in pinned and pinned.endswith("-r requirements.txt")
-    assert "--no-deps --no-build-isolation --use-pep517" in ours and ours.count("--editable=./") == 6
+    assert (
+        "--no-deps --no-compile --no-build-isolation --use-pep517" in ours
+        and ours.count("--editable=./") == 6
+    )
     assert bytecode.startswith("-m compileall") and compile_ == COMPILE
     assert "complete" in said.splitlines()[-1]
     assert bench.run("setup.sh") == ""
@@ -149,6 +154,31 @@ def test_compiling_may_be_left_for_later(bench: Bench) -> None:
     assert bench.calls() == [COMPILE]
     bench.run("setup.sh")
     assert bench.calls() == []
+
+
+PACKAGES = ("heli_bench_sim", "heli_navigation", "heli_control", "heli_identification")
+IN_WORKSPACE = ("ros_ws/src/heli_common", "ros_ws/src/heli_flight")
+
+
+@pytest.mark.parametrize("broken", ["", "pytest heli_navigation", "-m alone", "check", COMPILE])
+def test_the_test_run_runs_every_check_and_names_one_that_failed(bench: Bench, broken: str) -> None:
+    for name in ("ways_of_running", "side_by_side", "live_graph", "refusals", "safety"):
+        (bench.root / f"tests/test_{name}.py").touch()
+    bench.run("setup.sh", "--dev", "--no-kernels")
+    for name in ("ruff", "mypy"):
+        (bench.root / ".venv/bin" / name).symlink_to("python")
+    bench.calls()
+    process = bench.start("../../tests/run.sh", FAIL=broken)
+    output, _ = process.communicate(timeout=60)
+    calls = bench.calls()
+    assert process.returncode == (1 if broken else 0)
+    assert output.splitlines()[-1].startswith("failed: ") is bool(broken)
+    words = " ".join(call for call in calls if call.startswith("-m pytest")).split()
+    assert all(words.count(package) == 1 for package in (*PACKAGES, *IN_WORKSPACE))
+    apart = [word.removeprefix("--ignore=") for word in words if word.startswith("--ignore=")]
+    assert words.count("tests") == 2 and apart and all(words.count(path) == 1 for path in apart)
+    assert {"check", "format --check", COMPILE} <= set(calls)
+    assert any(call.startswith("-pheli_common") for call in calls)
 
 
 def test_edits_lead_to_what_they_concern(bench: Bench) -> None:
