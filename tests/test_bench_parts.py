@@ -21,11 +21,11 @@ from heli_flight.plan import parse_plan
 FAULTS = """
 room: gusty
 faults:
-  - {kind: supply_sag, voltage_fraction: 0.3, at_s: 15.0, for_s: 0.35}
-  - {kind: imu_bias_jump, axis: gyro_z, size_deg_s: 3.0, at_s: 16.0}
-  - {kind: encoder_lost_counts, encoder: yaw, counts: 3, at_s: 17.0}
+  - {kind: supply_sag, voltage_fraction: 0.3, at_s: 17.5, for_s: 0.35}
+  - {kind: imu_bias_jump, axis: gyro_z, size_deg_s: 3.0, at_s: 18.5}
+  - {kind: encoder_lost_counts, encoder: yaw, counts: 3, at_s: 19.5}
 """
-DIP = brief("hover: {duration: 7.0, wind_m_s: 0.0, wind_to_m_s: 3.0}", seed=3, more=FAULTS)
+DIP = brief("hover: {duration: 6.0, wind_m_s: 0.0, wind_to_m_s: 3.0}", home=7.5, seed=3, more=FAULTS)
 """The supply sags for a moment in hover, in wind from the front and with gusts."""
 
 REQUEST = """
@@ -77,9 +77,9 @@ def test_wind_gusts_and_faults_of_a_plan_are_the_same_in_both_ways_and_visible(h
         record = read(heli, mode)
         assert record.custom_data["regime_underspeed"].startswith("underspeed: rotor speed [rad/s] 14")
         time, sag = series(record, "bench_condition", "position.supply_sag")
-        assert np.allclose(time[sag > 0.0][[0, -1]], [15.0, 15.34])
+        assert np.allclose(time[sag > 0.0][[0, -1]], [17.5, 17.84])
         time, bias = series(record, "bench_condition", "position.gyro_z")
-        jump = bias[np.searchsorted(time, 16.1)] - bias[np.searchsorted(time, 15.9)]
+        jump = bias[np.searchsorted(time, 18.6)] - bias[np.searchsorted(time, 18.4)]
         assert np.isclose(np.degrees(jump), -3.0, atol=0.1)  # to the left in messages
         _, lost = series(record, "bench_condition", "position.encoder_lost_counts")
         assert lost[0] == 0.0 and lost[-1] == 8.0
@@ -91,7 +91,7 @@ def test_wind_gusts_and_faults_of_a_plan_are_the_same_in_both_ways_and_visible(h
 
 @pytest.mark.alone
 def test_a_fault_by_service_on_the_running_graph(heli, wait_for):
-    (heli.folder / "plan.yaml").write_text(brief(height=-0.35))
+    (heli.folder / "plan.yaml").write_text(brief())
     first = heli.start("fly", "plan.yaml", "--mode", "realtime", "--name", "b", "--no-report", "--json")
     wait_for(lambda: any(path.stat().st_size > 150_000 for path in heli.folder.glob("flights/*/*.mcap")))
     asked = subprocess.run(
@@ -115,13 +115,13 @@ def test_a_fault_by_service_on_the_running_graph(heli, wait_for):
 
 def test_two_helicopters_from_parameter_files_fly_the_same_plan(heli):
     text = "bench_sim: {{ros__parameters: {{helicopter: {{mass: {}, drag_area: {}}}}}}}\n"
-    (heli.folder / "plan.yaml").write_text(brief("hover: {duration: 4.0}"))
+    (heli.folder / "plan.yaml").write_text(brief("hover: {duration: 3.0}"))
     loads = {}
-    for name, mass, drag in (("light", 7.2, 0.1), ("heavy", 7.4, 0.3)):
+    for name, mode, mass, drag in (("light", "inprocess", 7.2, 0.1), ("heavy", "lockstep", 7.4, 0.3)):
         (heli.folder / f"{name}.yaml").write_text(text.format(mass, drag))
-        fly(heli, "plan.yaml", "lockstep", name, "--params-file", f"{name}.yaml")
+        fly(heli, "plan.yaml", mode, name, "--params-file", f"{name}.yaml")
         time, collective = series(read(heli, name), "actuator_state", "position.theta_0")
-        hover = (time > 14.0) & (time < 16.0)
+        hover = (time > 14.5) & (time < 16.5)
         loads[name] = np.degrees(collective[hover].mean())
     assert loads["heavy"] - loads["light"] > 0.08
 

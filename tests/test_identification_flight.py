@@ -32,10 +32,10 @@ seed: 4
 controller: lq
 phases:
   - home: {duration: 5.0}
-  - run_up: {duration: 3.0}
+  - run_up: {duration: 1.0}
   - take_off: {height: 0.0, speed: 0.15}  # slow: the guard stops what is asked for in a fast one
   - hover: {duration: 5.0}
-  - land: {speed: 0.4}
+  - land: {speed: 0.5}
   - run_down: {duration: 0.5}
 """
 

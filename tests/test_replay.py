@@ -35,7 +35,7 @@ def flown(shared_heli):
     (shared_heli.folder / "plan.yaml").write_text(brief("hover: {duration: 2.0}"))
     ran = shared_heli("fly", "plan.yaml", "--mode", "inprocess", "--name", "b", "--no-report")
     assert ran.returncode == 0, ran.stderr
-    return str(shared_heli.folder / "flights/b")
+    return shared_heli.folder / "flights/b"
 
 
 def test_navigation_repeats_its_odometry(heli, flown):
@@ -45,7 +45,7 @@ def test_navigation_repeats_its_odometry(heli, flown):
     listener = heli.start_process(sys.executable, "-c", LISTENER, str(len(expected)), *running)
     heli.start_process(sys.executable, "-m", "heli_navigation.nodes.navigation_node", *running)
     player = heli.start_process(
-        *(sys.executable, "-m", "heli_flight.nodes.replay_node", flown, *running),
+        *(sys.executable, "-m", "heli_flight.nodes.replay_node", str(flown), *running),
         *("-p", "topics:=encoders,imu,rotor", "-p", "rate:=2.0"),
     )
     out, _ = listener.communicate(timeout=60)
@@ -160,12 +160,12 @@ def ask(name, key, value):
     result = future.result().results[0]
     assert result.successful, result.reason
 
-until(14.0)
+until(13.0)
 ask("attitude_controller", "controller", "gst2")
 ask("identification", "excite", "{signal: prbs, channel: B_1s, amplitude_deg: 0.3, "
     "band_rad_s: [0.5, 12], duration: 5.0}")
 ask("bench_sim", "fault", "supply_sag voltage_fraction=0.95 for_s=1")
-until(16.0)
+until(15.0)
 ask("identification", "excite", "")
 future = land.call_async(Trigger.Request())
 rclpy.spin_until_future_complete(node, future, timeout_sec=20.0)
@@ -178,7 +178,7 @@ rclpy.try_shutdown()
 
 def test_replay_pauses_steps_and_changes_its_rate(heli, flown):
     part = "--start-offset 10 --duration 3 --topics rotor,reference"
-    words = [flown, "--start-paused", *part.split()]
+    words = [str(flown), "--start-paused", *part.split()]
     player = heli.start_process(sys.executable, "-m", "heli_flight.nodes.replay_node", *words)
     panel = heli.start_process(sys.executable, "-c", PANEL)
     said, error = panel.communicate(timeout=80)

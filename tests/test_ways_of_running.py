@@ -5,11 +5,11 @@ import json
 import pytest
 from brief import brief
 
-FAULTY = "room: gusty\nfaults: [{kind: encoder_stuck, encoder: arm_1, at_s: 12.0, for_s: 0.1}]"
-GUSTY = brief("hover: {duration: 1.0, wind_m_s: 3.0}", height=-0.3, seed=3, controller="gst2", more=FAULTY)
+FAULTY = "room: gusty\nfaults: [{kind: encoder_stuck, encoder: arm_1, at_s: 14.0, for_s: 0.1}]"
+GUSTY = brief("hover: {duration: 1.0, wind_m_s: 3.0}", seed=3, controller="gst2", more=FAULTY)
 """In wind and gusts, with an encoder that sticks."""
 PRBS = "signal: prbs, channel: B_1s, amplitude_deg: 0.5, band_rad_s: [0.5, 12], duration: 2.0"
-EXCITED = brief(f"excite: {{{PRBS}}}", height=-0.3, seed=4)
+EXCITED = brief(f"excite: {{{PRBS}}}", seed=4)
 """With the identification."""
 STEP = brief("hover: {duration: 2.0}", "step: {axis: x, amplitude: 0.10, duration: 2.0}")
 
