@@ -196,7 +196,9 @@ def test_a_flight_in_which_everything_was_asked_for_is_repeated(heli):
     assert said == "asked\n", error
     out, error = flight.communicate(timeout=80)
     assert flight.returncode == 0, error
-    assert json.loads(out)["simulated_s"] < 25.0  # landed when asked to
+    about = json.loads(out)
+    assert about["simulated_s"] < 25.0  # landed when asked to
+    assert about["lost_messages"] == 0 and set(about["late_commands"].values()) == {0}
     bag = read_bag(heli.folder / "flights" / "b")
     asked = {node: len(requests_of(bag, node)) for node in NODE_NAMES}
     assert {node: count for node, count in asked.items() if count} == {
