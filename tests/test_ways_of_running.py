@@ -28,7 +28,8 @@ CALM = (
     "strength_y: 1.0, strength_z: 0.3, strength_yaw: 0.3}}}\n"
 )
 EXCITED = brief(
-    "excite: {signal: prbs, channels: [B_1s, A_1s], amplitude_deg: 0.5, band_rad_s: [1, 12], duration: 1.5}",
+    "excite: {signal: prbs, channels: [B_1s, A_1s], amplitude_deg: 0.5, band_rad_s: [1, 12], "
+    "duration: 1.5, fade: 0.5}",
     "excite: {signal: doublets, channel: v, amplitude_m_s: 0.1, hold: 0.25, duration: 1.0, fade: 0.2}",
     seed=4,
 )
