@@ -1,15 +1,15 @@
 """Speed of the graph: lockstep and composed flights beside the middleware's own floor, and each node's share.
 
-    python benchmarks/graph.py [--rounds 3] [--plan hover_steps]
+    python benchmarks/graph.py [--rounds 3] [--plan hover_steps] [--ordinary]
 
-The floor is a ping-pong of the same messages between as many processes, which compute nothing.
-Every round flies and ping-pongs in turn, so that a machine that slows down does so for both.
+The floor is a ping-pong of the same messages between as many processes, or in one, which compute nothing.
+Every round flies and ping-pongs in turn, so that a machine that slows down does so for both. --ordinary
+leaves out SCHED_FIFO, as on a machine that does not permit it.
 """
 
 from __future__ import annotations
 
 import argparse
-import os
 import statistics
 import sys
 import tempfile
@@ -22,17 +22,18 @@ from rich.table import Table
 
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_control.controller_file import load_controller
+from heli_flight.fly_graph import COMPOSED
 from heli_flight.flying import fly
 from heli_flight.order import FlightOrder, Mode
 from heli_flight.plan import load_plan
 from heli_flight.process_group import ProcessGroup
-from heli_flight.process_table import environment, processes
+from heli_flight.process_table import LOCKSTEP_PRIORITY, environment, processes
+from heli_flight.processor_time import node_of, processor_seconds
 from heli_flight.progress import Progress
 
 STEPS_PER_SECOND = 1e9 / CONTROL_PERIOD_NS
 FLOOR = Path(__file__).with_name("ping_pong.py")
 PATIENCE_SECONDS = 120.0
-TICKS = os.sysconf("SC_CLK_TCK")
 SETTLED = 8.0
 """Simulated seconds after which the flight goes at its own speed."""
 
@@ -46,7 +47,11 @@ class Watch:
     def tell(self, progress: Progress) -> None:
         """Look, if the flight has settled."""
         if progress.time >= SETTLED and not progress.state.ended:
-            self.looks = [*self.looks[:1], (progress.time, perf_counter(), used())]
+            self.look(progress.time)
+
+    def look(self, time: float) -> None:
+        """Note what has been used up to a simulated time [s]."""
+        self.looks = [*self.looks[:1], (time, perf_counter(), processor_seconds(_program))]
 
     @property
     def speed(self) -> float:
@@ -62,44 +67,38 @@ class Watch:
         return {name: 1e3 * (after[name] - before[name]) / steps for name in after if name in before}
 
 
-def used() -> dict[str, float]:
-    """Processor time of every child of this process, by the last word of its module [s]."""
-    found = {}
-    for entry in Path("/proc").glob("[0-9]*"):
-        try:
-            fields = (entry / "stat").read_text().rpartition(")")[2].split()
-            words = (entry / "cmdline").read_text().split("\0")
-        except OSError:
-            continue
-        if int(fields[1]) == os.getpid() and "-m" in words:
-            name = words[words.index("-m") + 1].rpartition(".")[2].removesuffix("_node")
-            found[name] = (int(fields[11]) + int(fields[12])) / TICKS
-    return found
+def _program(words: list[str]) -> str:
+    """Name of the node that a command line runs, empty for none."""
+    return words[words.index(str(FLOOR)) + 1] if str(FLOOR) in words else node_of(words)
 
 
 def flight(order: FlightOrder, mode: Mode, folder: Path) -> Watch:
     """Fly; the bag is left in the folder."""
     watch = Watch()
-    end = fly(replace(order, mode=mode, bag=folder / mode.value), watch.tell, sys.stderr.write)
+    order = replace(order, mode=mode, bag=folder / mode.value)
+    end = fly(order, watch.tell, lambda text: sys.stderr.writelines([text, "\n"]))
     if end.exit_code:
         raise SystemExit(f"{mode.value}: {end.reason}")
     return watch
 
 
-def floor() -> float:
-    """Ping-pong of the same messages, in simulated seconds per second."""
+def floor(mode: Mode, scheduled: bool) -> Watch:
+    """Ping-pong of the same messages."""
     nodes = [process.name for process in processes(identified=False)]
-    commands = {
-        name: [sys.executable, str(FLOOR), name, "--ros-args", "-p", f"running:={','.join(nodes)}"]
-        for name in nodes
-    }
-    deadline = perf_counter() + PATIENCE_SECONDS
+    priority = LOCKSTEP_PRIORITY if scheduled else 0
+    settings = ["--ros-args", "-p", f"running:={','.join(nodes)}", "-p", f"real_time_priority:={priority}"]
+    names = [COMPOSED] if mode is Mode.COMPOSED else nodes
+    commands = {name: [sys.executable, str(FLOOR), name, *settings] for name in names}
+    watch, deadline = Watch(), perf_counter() + PATIENCE_SECONDS
     with ProcessGroup(commands, environment()) as group:
         while perf_counter() < deadline:
             for line in group.read(0.1):
-                if not line.is_error:
-                    return float(line.text) / STEPS_PER_SECOND
-                sys.stderr.write(line.text + "\n")
+                if line.is_error:
+                    sys.stderr.write(line.text + "\n")
+                    continue
+                watch.look(float(line.text))
+                if len(watch.looks) == 2:
+                    return watch
     raise SystemExit("ping-pong: did not come to an end")
 
 
@@ -110,43 +109,51 @@ def main() -> None:
     )
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--plan", default="hover_steps")
+    parser.add_argument("--ordinary", action="store_true", help="without SCHED_FIFO")
     options = parser.parse_args()
     plan = load_plan(options.plan)
     controller = load_controller(plan.controller)
     order = FlightOrder(plan, options.plan, Mode.LOCKSTEP, plan.seed, controller, plan.controller, Path())
-    speeds: dict[str, list[float]] = {"lockstep": [], "composed": [], "in process": [], "ping-pong": []}
-    shares: list[dict[str, float]] = []
+    order = replace(order, real_time_scheduling=not options.ordinary)
+    rounds: list[dict[str, Watch]] = []
     for number in range(1, options.rounds + 1):
         sys.stderr.write(f"round {number} of {options.rounds}\n")
+        seen: dict[str, Watch] = {}
         with tempfile.TemporaryDirectory() as folder:
-            lockstep = flight(order, Mode.LOCKSTEP, Path(folder))
-            speeds["ping-pong"].append(floor())
-            shares.append(lockstep.shares)
-            speeds["lockstep"].append(lockstep.speed)
-            speeds["composed"].append(flight(order, Mode.COMPOSED, Path(folder)).speed)
-            speeds["in process"].append(flight(order, Mode.INPROCESS, Path(folder)).speed)
-    say(speeds, shares)
+            for mode in (Mode.LOCKSTEP, Mode.COMPOSED):
+                seen[mode.value] = flight(order, mode, Path(folder))
+                seen[f"ping-pong, {mode.value}"] = floor(mode, order.real_time_scheduling)
+            seen[Mode.INPROCESS.value] = flight(order, Mode.INPROCESS, Path(folder))
+        rounds.append(seen)
+    say(rounds)
 
 
-def say(speeds: dict[str, list[float]], shares: list[dict[str, float]]) -> None:
+def say(rounds: list[dict[str, Watch]]) -> None:
     """Print the tables."""
     console = Console(highlight=False)
-    table = Table("x real time, recorder on", "median", "lowest", "highest", "of the floor", box=None)
-    for name, values in speeds.items():
-        ratio = statistics.median(a / b for a, b in zip(values, speeds["ping-pong"], strict=True))
-        row = (
-            f"{statistics.median(values):.2f}",
-            f"{min(values):.2f}",
-            f"{max(values):.2f}",
-            f"{100 * ratio:.0f} %",
-        )
-        table.add_row(name, *row)
+    table = Table("x real time, recorder on", "median", "lowest", "highest", "of its floor", box=None)
+    for name in rounds[0]:
+        values = [seen[name].speed for seen in rounds]
+        row = [name, f"{statistics.median(values):.2f}", f"{min(values):.2f}", f"{max(values):.2f}"]
+        if (below := f"ping-pong, {name}") in rounds[0]:
+            row.append(
+                f"{100 * statistics.median(seen[name].speed / seen[below].speed for seen in rounds):.0f} %"
+            )
+        table.add_row(*row)
     console.print(table)
-    stages = Table("lockstep, node", "ms a control step", "share", box=None)
-    middle = {name: statistics.median(each[name] for each in shares) for name in shares[0]}
+    middle, bare = (_shares(rounds, name) for name in ("lockstep", "ping-pong, lockstep"))
+    stages = Table("lockstep, node", "ms a control step", "share", "messages alone [ms]", box=None)
     for name, value in sorted(middle.items(), key=lambda item: -item[1]):
-        stages.add_row(name, f"{value:.2f}", f"{100 * value / sum(middle.values()):.0f} %")
+        share = f"{100 * value / sum(middle.values()):.0f} %"
+        stages.add_row(name, f"{value:.2f}", share, f"{bare[name]:.2f}")
+    stages.add_row("all", f"{sum(middle.values()):.2f}", "", f"{sum(bare.values()):.2f}")
     console.print(stages)
+
+
+def _shares(rounds: list[dict[str, Watch]], flown: str) -> dict[str, float]:
+    """Median of each node's processor time per control step [ms]."""
+    each = [seen[flown].shares for seen in rounds]
+    return {name: statistics.median(share[name] for share in each) for name in each[0]}
 
 
 if __name__ == "__main__":

@@ -1,14 +1,14 @@
 """The middleware's own floor: the same messages between the same processes, computing nothing.
 
-Run by `benchmarks/graph.py`, one process a node: `ping_pong.py NODE --ros-args -p running:=...`.
+Run by `benchmarks/graph.py`, one process a node: `ping_pong.py NODE --ros-args -p running:=...`;
+all of them in one thread: `ping_pong.py composed --ros-args ...`.
 """
 
 from __future__ import annotations
 
 import sys
-from time import perf_counter
 
-from heli_common.nodes.runner import ComponentProgram, run_node  # first: it takes the signals before rclpy
+from heli_common.nodes.runner import Build, ComponentProgram, run_node, run_nodes  # first: takes the signals
 
 # isort: split
 from heli_bench_sim.nodes.bench_program import RECORDER_LAG_NS
@@ -20,6 +20,7 @@ from heli_common.topics import BENCH_SIM, RECORDER, TOPICS, data_topics
 from heli_control.attitude_control import AttitudeController
 from heli_control.motor_control import MotorController
 from heli_control.position_control import PositionController
+from heli_flight.fly_graph import COMPOSED
 from heli_flight.recorder import ACKNOWLEDGE_NS
 from heli_flight.supervisor import Supervisor
 from heli_navigation.navigator import Navigator
@@ -56,7 +57,7 @@ class Echo:
 
 
 class Bench:
-    """Sends samples, waits for commands as in lockstep, and says how many control steps a second it made."""
+    """Sends samples, waits for commands as in lockstep; says its time [s] when warm and when done."""
 
     name = BENCH_SIM
     inputs = (*BenchSimulator.inputs, "recorder_ack")
@@ -69,7 +70,6 @@ class Bench:
         self._stamp_ns = -SENSOR_PERIOD_NS
         self._newest = dict.fromkeys(self.inputs, -1)
         self._connection: Connection | None = None
-        self._begun = 0.0
 
     def start(self, connection: Connection) -> None:
         """Keep the connection."""
@@ -105,12 +105,10 @@ class Bench:
             sent = [each for each in self.outputs if tick or TOPICS[each].period_ns == SENSOR_PERIOD_NS]
             self._connection.publish([zeros(each, self._stamp_ns) for each in sent])
             step = self._stamp_ns // (4 * SENSOR_PERIOD_NS)
-            if tick and step == WARM_STEPS:
-                self._begun = perf_counter()
-            if tick and step == WARM_STEPS + STEPS:
-                sys.stdout.write(f"{STEPS / (perf_counter() - self._begun)}\n")
+            if tick and step in (WARM_STEPS, WARM_STEPS + STEPS):
+                sys.stdout.write(f"{1e-9 * self._stamp_ns}\n")
                 sys.stdout.flush()
-                self.finished = True
+                self.finished = step > WARM_STEPS
 
 
 class Recorder:
@@ -147,11 +145,18 @@ class Recorder:
         """Nothing to finish."""
 
 
-def main() -> None:
-    """One node of the floor."""
-    name = sys.argv.pop(1)
+def build(name: str) -> Build:
+    """How to make the program of a node."""
     own = {BENCH_SIM: Bench, RECORDER: Recorder}
-    sys.exit(run_node(name, lambda *_: own[name]() if name in own else ComponentProgram(Echo(name))))
+    return lambda *_: own[name]() if name in own else ComponentProgram(Echo(name))
+
+
+def main() -> None:
+    """One node of the floor, or all."""
+    name, *arguments = sys.argv[1:]
+    if name == COMPOSED:
+        sys.exit(run_nodes({each: (build(each), arguments) for each in (BENCH_SIM, RECORDER, *REAL)}))
+    sys.exit(run_node(name, build(name), arguments))
 
 
 if __name__ == "__main__":

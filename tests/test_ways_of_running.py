@@ -80,6 +80,10 @@ def test_real_time_loses_nothing_and_has_the_lockstep_hash_unless_late(heli):
     assert flight["lost_messages"] == 0
     assert flight["wall_s"] >= flight["simulated_s"]
     assert set(flight["late_commands"]) == {"late_servo_command", "late_motor_command", "late_flight_state"}
+    commands = {f"latency_{topic}" for topic in ("servo_command", "motor_command", "flight_state")}
+    assert set(flight["punctuality"]) == {*commands, "period_jitter"}
+    for figures in flight["punctuality"].values():
+        assert 0.0 <= figures["median_ms"] <= figures["p99_ms"] <= figures["p99_9_ms"] <= figures["max_ms"]
     if not any(flight["late_commands"].values()):
         assert flight["sha256"] == fly(heli, "inprocess", "p", *calm, plan=GUSTY)["sha256"]
 
@@ -90,6 +94,7 @@ def test_a_parameter_file_means_the_same_in_both_ways(heli):
     (heli.folder / "heavy.yaml").write_text(text)
     flights = [fly(heli, mode, mode, "--params-file", "heavy.yaml") for mode in ("inprocess", "lockstep")]
     assert all(flight["lost_messages"] == 0 for flight in flights)
+    assert all(flight["punctuality"] == {} for flight in flights)
     assert all(set(flight["late_commands"].values()) <= {0} for flight in flights)
     assert flights[0]["metrics"] == {**flights[1]["metrics"], "flight": flights[0]["metrics"]["flight"]}
     flights.append(fly(heli, "inprocess", "plain"))

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from heli_bench_sim import helicopter, lower_stop, rigid_body
 from heli_bench_sim.actuators import ActuatorState, actual_inputs, actuator_state
 from heli_bench_sim.bench_memory import Memory, Reading, blank_memory
+from heli_bench_sim.bench_messages import write_sensors, write_truth
 from heli_bench_sim.bench_parameters import BenchParameters, bench_constants
 from heli_bench_sim.encoders import ENCODERS, EncoderReading
 from heli_bench_sim.helicopter import Loads
@@ -42,6 +43,8 @@ class BenchView:
         self._air = self._memory[Memory.air : Memory.steady_wind]
         self._reading = np.zeros(Reading.end)
         self._imu_valid = True
+        self._imu_variances = imu_variances(self._constants.imu)
+        self._motor_gear = parameters.helicopter.motor_gear
         self._saturated = False
         self._stamp_ns = 0
 
@@ -177,16 +180,23 @@ class BenchView:
     @property
     def imu_variances(self) -> tuple[float, float]:
         """Of one sample of a gyro [rad^2/s^2] and of an accelerometer [m^2/s^4]."""
-        return imu_variances(self._constants.imu)
+        return self._imu_variances
 
     def rotor_reading(self) -> float:
         """Rotor speed by the Hall sensor [rad/s], latest sample."""
         return float(self._reading[Reading.rotor_speed])
 
+    def write_sensors(self, encoders: Array, imu: Array) -> None:
+        """The numbers of the messages `encoders` (18,) and `imu` (37,) of the latest sample, into zeros."""
+        write_sensors(self._reading, self._imu_valid, *self._imu_variances, encoders, imu)
+
+    def write_truth(self, actuators: Array, odometry: Array, wind: Array) -> None:
+        """Those of `actuator_state` (15,), `ground_truth` (85,) and `wind` (3,) now, into zeros."""
+        write_truth(self._memory, self._saturated, self._motor_gear, self._box, actuators, odometry, wind)
+
     def actuator_state(self) -> ActuatorState:
         """What servos and motor do now."""
-        gear = self.parameters.helicopter.motor_gear
-        return actuator_state(self._state, self._command, self._saturated, gear, self._box)
+        return actuator_state(self._state, self._command, self._saturated, self._motor_gear, self._box)
 
     def _inputs(self) -> Array:
         """(5,) actual blade angles and control voltage."""

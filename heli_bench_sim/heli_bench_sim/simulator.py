@@ -29,11 +29,11 @@ from heli_common.timing import (
     is_pwm_tick,
 )
 from heli_common.topics import BENCH_CONDITION, BENCH_SIM, TOPICS
-from heli_common.vehicle_state import VehicleState, imu_values, odometry_values, swap_body, wind_values
+from heli_common.vehicle_state import swap_body
 
 Array = NDArray[np.float64]
 
-_NO_VARIANCE = (0.0,) * 6
+_SIZES = {topic: len(entry.layout.fields) for topic, entry in TOPICS.items()}
 _FAN = TOPICS["flight_state"].layout.fields.index("velocity.fan")
 
 REGIME_PERIOD_NS = 100_000_000
@@ -80,7 +80,6 @@ class BenchSimulator:
         self.left_regime: dict[str, tuple[int, Violation]] = {}
         self._link = Superposition(excited)
         self._motor_added = 0.0
-        self._imu_variances = bench.imu_variances
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
         """Keep a command until it acts.
@@ -115,8 +114,7 @@ class BenchSimulator:
         if self.stamp_ns >= 0:
             if is_command_tick(self.stamp_ns):
                 self._apply(self.stamp_ns - COMMAND_LATENCY_NS)
-            self.bench.advance()
-            if not self.bench.is_finite:
+            if not len(self.bench.run(1)):
                 raise SafetyStop(f"the motion is no longer finite at {self.stamp_ns * 1e-9:.2f} s")
         self.stamp_ns += SENSOR_PERIOD_NS
         return self._sample()
@@ -213,15 +211,12 @@ class BenchSimulator:
 
     def _sample(self) -> list[Message]:
         stamp, bench = self.stamp_ns, self.bench
-        reading, imu = bench.encoder_reading(), bench.imu_reading()
-        indexed = [float(flag) for flag in reading.indexed]
         messages = []
         if is_control_tick(stamp):  # before the others: the last of a burst wakes its listener
             messages.append(Message("rotor", stamp, (0.0, bench.rotor_reading(), 0.0)))
-        messages += [
-            Message("encoders", stamp, (*reading.angle, *_zeros(6), *indexed)),
-            Message("imu", stamp, imu_values(imu.gyro, imu.accelerometer, self._imu_variances, imu.valid)),
-        ]
+        encoders, imu = _blank("encoders"), _blank("imu")
+        bench.write_sensors(encoders, imu)
+        messages += [Message("encoders", stamp, encoders), Message("imu", stamp, imu)]
         if is_control_tick(stamp):
             messages += self._truth(stamp)
         if stamp % REGIME_PERIOD_NS == 0:
@@ -230,34 +225,26 @@ class BenchSimulator:
 
     def _truth(self, stamp: int) -> list[Message]:
         bench = self.bench
-        truth = VehicleState(bench.position, bench.attitude, bench.velocity, bench.rates)
-        blade = bench.actuator_state()
-        saturated = (float(blade.saturated),) * 4
-        actuators = (
-            *blade.angles,
-            0.0,
-            *blade.angle_rates,
-            blade.motor_speed,
-            *saturated,
-            blade.motor_torque,
-        )
-        gyro, accelerometer = bench.imu_bias[:3].tolist(), bench.imu_bias[3:].tolist()
+        actuators, odometry, wind = _blank("actuator_state"), _blank("ground_truth"), _blank("wind")
+        bench.write_truth(actuators, odometry, wind)
+        x, y, z, forward, right, down = bench.imu_bias.tolist()
         condition = (
-            *swap_body(gyro),
-            *swap_body(accelerometer),
+            *swap_body((x, y, z)),
+            *swap_body((forward, right, down)),
             bench.fan_speed,
             bench.gust_yaw,
             *bench.faults.values(stamp),
-            *_zeros(2 * len(BENCH_CONDITION)),
+            *(0.0,) * (2 * len(BENCH_CONDITION)),
         )
         return [
             Message("actuator_state", stamp, actuators),
-            Message("ground_truth", stamp, odometry_values(truth, _NO_VARIANCE, _NO_VARIANCE)),
-            Message("wind", stamp, wind_values(bench.wind)),
+            Message("ground_truth", stamp, odometry),
+            Message("wind", stamp, wind),
             Message("bench_condition", stamp, condition),
             Message("clock", stamp, ()),
         ]
 
 
-def _zeros(count: int) -> tuple[float, ...]:
-    return (0.0,) * count
+def _blank(topic: str) -> Array:
+    """(n,) zeros for the numbers of a topic's message."""
+    return np.zeros(_SIZES[topic])

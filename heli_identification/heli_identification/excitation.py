@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.random import default_rng
 from numpy.typing import NDArray
 
 from heli_common.timing import CONTROL_PERIOD
@@ -92,9 +93,9 @@ def _unit(excitation: Excitation, place: int) -> NDArray[np.float64]:
     if excitation.signal == "chirp":
         return signals.chirp(count, excitation.band)
     if excitation.signal == "multisine":
-        rng = np.random.default_rng(excitation.seed)
+        rng = default_rng(excitation.seed)
         return signals.multisine(count, excitation.band, rng, place, len(excitation.channels))
-    rng = np.random.default_rng([excitation.seed, place])
+    rng = default_rng([excitation.seed, place])
     if excitation.signal == "prbs":
         return signals.prbs(count, excitation.band, rng)
     return signals.noise(count, excitation.band, rng)

@@ -9,6 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from heli_common import topics
 from heli_common.component import Message, StampJoin
 from heli_common.errors import InputError
@@ -31,9 +34,8 @@ _NOTHING = (0.0,) * len(CHANNELS)
 class _Run:
     """One excitation being sent."""
 
-    def __init__(self, excitation: Excitation, release_time: float) -> None:
-        self.excitation = excitation
-        self._table = samples(excitation)
+    def __init__(self, table: NDArray[np.float64], release_time: float) -> None:
+        self._table = table
         self._index = 0
         self._share = 1.0
         self._fall = 0.0
@@ -82,6 +84,7 @@ class Identifier:
     ) -> None:
         self.remarks: list[tuple[str, str]] = []
         self._plan = tuple(plan)
+        self._tables = {excitation: samples(excitation) for excitation in self._plan}  # not while flying
         self._guard = guard or GuardParameters()
         self._estimate = RunningEstimate(estimate or EstimateParameters())
         self._join = StampJoin(("odometry", "reference", "flight_state"))
@@ -148,7 +151,8 @@ class Identifier:
             started = self._plan[number - 1]
         self._number, self._requested = number, None
         if started is not None:
-            self._run = _Run(started, self._guard.release_time)
+            table = self._tables[started] if started in self._tables else samples(started)
+            self._run = _Run(table, self._guard.release_time)
             self.remarks.append(("ok", f"{started.signal} on {', '.join(started.channels)} begins"))
 
     def _watch(self, reason: str) -> None:

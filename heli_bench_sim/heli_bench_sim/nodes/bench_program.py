@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import monotonic, perf_counter
 
-from heli_bench_sim.nodes.latency import Latency
+from heli_bench_sim.nodes.latency import Jitter, Latency
 from heli_bench_sim.simulator import BenchSimulator
 from heli_bench_sim.watch import WatchParameters
 from heli_common.component import Message
@@ -60,7 +60,7 @@ class BenchProgram:
         self._pauses: list[float] = []
         self._left_regime = 0
         self._closing_since = 0.0
-        self._latency = Latency(simulator.inputs)
+        self._latency, self._jitter = Latency(simulator.inputs), Jitter()
         self._requests = Requests()
         self._unpack = {topic: TOPICS[topic].layout.unpack for topic in self.inputs}
 
@@ -151,6 +151,8 @@ class BenchProgram:
             wait = due - perf_counter()
             if wait > 0.0:
                 return wait
+            if is_control_tick(simulator.stamp_ns + SENSOR_PERIOD_NS):
+                self._jitter.began(-wait)
             if -wait > CATCH_UP_SECONDS:
                 self._pauses.append(-wait)
                 self._clock_zero -= wait
@@ -186,7 +188,7 @@ class BenchProgram:
         values = self.simulator.remarks() | {"mode": self._mode}
         if self._mode == REALTIME:
             values |= {"pauses": str(len(self._pauses)), "paused_s": f"{sum(self._pauses):.3f}"}
-        values |= self._latency.figures() if text == "ended" else {}
+        values |= self._latency.figures() | self._jitter.figures() if text == "ended" else {}
         level = "warn" if any(late.values()) or self._pauses or left else "ok"
         connection.diagnose(self.simulator.stamp_ns, level, text, values)
 

@@ -17,6 +17,7 @@ from heli_bench_sim.faults import FaultSchedule
 from heli_bench_sim.nodes.bench_program import LOCKSTEP, MODES, BenchProgram
 from heli_bench_sim.nodes.rig_display import RigDisplay
 from heli_bench_sim.simulator import BenchSimulator
+from heli_bench_sim.warm_up import warm_up
 from heli_bench_sim.watch import WatchParameters
 from heli_common.errors import InputError
 from heli_common.nodes.parameters import (
@@ -26,8 +27,7 @@ from heli_common.nodes.parameters import (
     declare_request,
     declare_text,
 )
-from heli_common.timing import CONTROL_PERIOD_NS, SENSOR_PERIOD_NS
-from heli_common.topics import BENCH_SIM, IDENTIFICATION, TOPICS
+from heli_common.topics import BENCH_SIM, IDENTIFICATION
 
 
 def build(node: Node, running: tuple[str, ...]) -> BenchProgram:
@@ -43,7 +43,7 @@ def build(node: Node, running: tuple[str, ...]) -> BenchProgram:
     parameters = declare_groups(node, BenchParameters)
     watch = declare_parameters(node, WatchParameters, "watch.")
     faults = _read_faults(declare_text(node, "faults", "[]", "what goes wrong and when, as in a plan (YAML)"))
-    _warm_up(parameters)
+    warm_up(parameters)
     bench = Bench(parameters, seed, faults=faults)
     simulator = BenchSimulator(bench, excited=IDENTIFICATION in running)
     about = "set it to let something go wrong now, e.g. encoder_stuck encoder=arm_1 for_s=2"
@@ -58,16 +58,6 @@ def _read_faults(text: str) -> FaultSchedule:
     except yaml.YAMLError as error:
         problem = str(error).splitlines()[0]
         raise InputError(f"no YAML: {problem}", allowed="a list of faults", key="faults") from None
-
-
-def _warm_up(parameters: BenchParameters) -> None:
-    """Load the compiled kernels before time runs: a bench of its own goes through one control period."""
-    simulator = BenchSimulator(Bench(parameters))
-    simulator.tick()
-    for topic in simulator.inputs:
-        simulator.receive(topic, 0, (0.0,) * len(TOPICS[topic].layout.fields))
-    for _ in range(CONTROL_PERIOD_NS // SENSOR_PERIOD_NS):
-        simulator.tick()
 
 
 def main() -> None:

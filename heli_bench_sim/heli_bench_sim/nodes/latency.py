@@ -1,11 +1,16 @@
-"""How long commands take from the sample they answer, in wall time; figures for diagnostics only."""
+"""How punctual a real-time flight is, in wall time: commands after samples, periods after deadlines.
+
+Figures for diagnostics and the bag's remarks only; nothing that is simulated depends on them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from time import perf_counter
 
 import numpy as np
+
+_QUANTILES = {"median": 0.5, "99 %": 0.99, "99.9 %": 0.999, "max": 1.0}
 
 
 class Latency:
@@ -35,10 +40,25 @@ class Latency:
             del self._published[stamp]
 
     def figures(self) -> dict[str, str]:
-        """Median, 99.9 % quantile and maximum per topic [ms]."""
-        found = {}
-        for topic, seconds in self._seconds.items():
-            if seconds:
-                median, rare, worst = 1e3 * np.quantile(seconds, (0.5, 0.999, 1.0))
-                found[f"latency_{topic}_ms"] = f"median {median:.2f}, 99.9 % {rare:.2f}, max {worst:.2f}"
-        return found
+        """Median, 99 % and 99.9 % quantile and maximum per topic [ms]."""
+        return {f"latency_{topic}_ms": _text(seconds) for topic, seconds in self._seconds.items() if seconds}
+
+
+class Jitter:
+    """Collects by how much later than its deadline the bench begins each control period."""
+
+    def __init__(self) -> None:
+        self._seconds: list[float] = []
+
+    def began(self, late: float) -> None:
+        """A control period begins so long after its deadline [s]."""
+        self._seconds.append(late)
+
+    def figures(self) -> dict[str, str]:
+        """Median, 99 % and 99.9 % quantile and maximum [ms]; nothing before the first period."""
+        return {"period_jitter_ms": _text(self._seconds)} if self._seconds else {}
+
+
+def _text(seconds: Sequence[float]) -> str:
+    found = 1e3 * np.quantile(seconds, list(_QUANTILES.values()))
+    return ", ".join(f"{name} {value:.2f}" for name, value in zip(_QUANTILES, found, strict=True))

@@ -76,17 +76,16 @@ class Layout:
                 runs[-1] = (runs[-1][0], runs[-1][1], runs[-1][2] + 1)
             else:
                 runs.append((offset, index, 1))
-        kept, skipped = f"<{self.stamp_offset}siI", f"<{self.stamp_offset}xiI"
+        skipped = f"<{self.stamp_offset}xiI"
         end, plan = self.stamp_offset + 8, []
         for offset, first, n in runs:
-            kept += f"{offset - end}s{n}d"
             skipped += f"{offset - end}x{n}d"
             plan.append((self.template[end:offset], offset, first, first + n))
             end = offset + 8 * n
         rest = len(self.template) - end
         object.__setattr__(self, "_runs", tuple(plan))
         object.__setattr__(self, "_ends", (self.template[: self.stamp_offset], self.template[end:]))
-        object.__setattr__(self, "_pack", struct.Struct(f"{kept}{rest}s").pack)
+        object.__setattr__(self, "_numbers", struct.Struct(f"<{len(self.fields)}d").pack)
         object.__setattr__(self, "_unpack", struct.Struct(f"{skipped}{rest}x").unpack)
         object.__setattr__(self, "_stamp", struct.Struct("<iI"))
 
@@ -107,14 +106,17 @@ class Layout:
         """
         if len(values) != len(self.fields):
             raise ValueError(f"{self.ros_type}: {len(values)} values for {len(self.fields)} fields")
-        if isinstance(values, np.ndarray):
-            values = values.tolist()
+        if isinstance(values, np.ndarray) and values.dtype.char == "d":
+            numbers = values.tobytes()
+        else:
+            numbers = self._numbers(*values)  # type: ignore[attr-defined]
         head, tail = self._ends  # type: ignore[attr-defined]
-        parts: list[object] = [head, *divmod(stamp_ns, _NANOSECONDS)]
+        parts = [head, self._stamp.pack(*divmod(stamp_ns, _NANOSECONDS))]  # type: ignore[attr-defined]
         for constant, _, first, last in self._runs:  # type: ignore[attr-defined]
             parts.append(constant)
-            parts += values[first:last]
-        return self._pack(*parts, tail)  # type: ignore[attr-defined,no-any-return]
+            parts.append(numbers[8 * first : 8 * last])
+        parts.append(tail)
+        return b"".join(parts)
 
     def unpack(self, data: bytes) -> tuple[int, tuple[float, ...]]:
         """Stamp [ns] and numbers of a serialized message of exactly this layout.

@@ -171,11 +171,6 @@ def imu_from_values(values: Sequence[float]) -> tuple[Vector3, Vector3, bool]:
     return gyro, accelerometer, values[16] >= 0.0
 
 
-def wind_values(wind: Vector3) -> tuple[float, ...]:
-    """Numbers of a Vector3Stamped in ENU from a velocity of the air in NED [m/s]."""
-    return swap_earth(wind)
-
-
 def _diagonal(variances: Sequence[float]) -> tuple[float, ...]:
     covariance = [0.0] * 36
     for axis, variance in enumerate(variances):

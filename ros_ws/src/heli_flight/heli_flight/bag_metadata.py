@@ -13,6 +13,8 @@
 | counts, losses | JSON objects, written by `BagWriter` itself and renewed with the metadata |
 | jitter | real time: JSON object, per topic rms and largest deviation of the time between two arrivals [ms] |
 | late_TOPIC | how many commands of a topic came too late |
+| latency_TOPIC_ms | median, quantiles and maximum from a sample to the command of its stamp [ms wall time] |
+| period_jitter_ms | real time: the same of how late the bench began its control periods |
 | pauses, paused_s | real time: how often and how long the bench itself was kept from running |
 | repaired | what was wrong with the bag of which this one was made |
 | left_out, sha256_with_left_out | topics that a copy does without; hash of the flight with them |

@@ -94,6 +94,7 @@ class _Watch:
         self._ending = {COMPOSED} if mode is Mode.COMPOSED else {topics.BENCH_SIM, topics.RECORDER}
         self._spared: set[str] = set(topics.OPTIONAL_NODES) if mode is Mode.REALTIME else set()
         self._told: set[str] = set()
+        self._warned: set[str] = set()
         self._last_error: dict[str, str] = {}
         self.progress = Progress(0.0, FlightState.IDLE, 0, 0)
         self.code, self.reason = EXIT_FLOWN, ""
@@ -132,8 +133,10 @@ class _Watch:
             if progress is not None:
                 self.progress = progress
                 self._tell(progress)
-            elif line.is_error and ": warning: " in line.text:
-                self._warn(line.text)
+            elif line.is_error and (warning := line.text.partition(": warning: ")[2]):
+                if warning not in self._warned:  # what holds for all nodes is said by the first
+                    self._warned.add(warning)
+                    self._warn(line.text)
             elif line.is_error and line.text.strip():
                 self._last_error[line.process] = line.text.strip()
 

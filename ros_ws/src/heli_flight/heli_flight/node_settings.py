@@ -10,7 +10,7 @@ from heli_bench_sim.fault_words import to_mappings
 from heli_common import topics
 from heli_flight.order import FlightOrder, Mode
 from heli_flight.plan import GUSTY, Plan
-from heli_flight.process_table import Process
+from heli_flight.process_table import LOCKSTEP_PRIORITY, Process
 
 Settings = dict[str, str | int | float]
 
@@ -30,7 +30,7 @@ class FlightSettings:
         bag: folder to record into, empty for none.
         notes: file of what the bag shall carry.
         storage: way of storing the bag, see `bag.STORAGES`.
-        scheduled: whether real-time scheduling is asked for in real time.
+        scheduled: whether real-time scheduling is asked for.
     """
 
     plan: Plan | None
@@ -69,10 +69,10 @@ class FlightSettings:
             process: of the table.
             running: names of the nodes of the flight.
         """
-        scheduled = self.scheduled and self.mode == Mode.REALTIME.value
+        priority = process.priority if self.mode == Mode.REALTIME.value else LOCKSTEP_PRIORITY
         common: Settings = {
             "running": ",".join(running),
-            "real_time_priority": process.priority if scheduled else 0,
+            "real_time_priority": priority if self.scheduled else 0,
         }
         own: dict[str, Settings] = {
             topics.BENCH_SIM: self._of_bench(),

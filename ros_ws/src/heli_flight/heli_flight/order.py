@@ -41,7 +41,7 @@ class FlightOrder:
         controller_name: name of a shipped controller or path of a controller file, for its node.
         bag: folder to record into.
         parameters: ROS 2 parameter file for the nodes, None for defaults.
-        real_time_scheduling: whether a real-time flight asks for SCHED_FIFO.
+        real_time_scheduling: whether a flight on the graph asks for SCHED_FIFO.
         later: controllers that phases of the plan change to, in its order.
         later_names: their names or paths.
         motor: the motor controller as read from its file; the shipped one without.

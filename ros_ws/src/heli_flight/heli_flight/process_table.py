@@ -55,6 +55,10 @@ PROCESSES: tuple[Process, ...] = (
 )
 """Priorities fall along the way from sensor to command; the recorder only drains buffers."""
 
+LOCKSTEP_PRIORITY = 1
+"""SCHED_FIFO priority of every node in lockstep. Among equals nobody interrupts the one that publishes, and a
+burst reaches its reader as one: `benchmarks/graph.py` shows what that gains."""
+
 
 def processes(identified: bool) -> tuple[Process, ...]:
     """Those of a flight with or without identification."""

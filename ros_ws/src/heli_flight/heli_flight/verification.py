@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from heli_common.errors import EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP
+from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP, InputError
 from heli_flight.bag_reader import read_bag
 from heli_flight.flight_hash import Difference, bag_hash, first_difference
 from heli_flight.flying import fly
+from heli_flight.machine_load import every_core_busy
 from heli_flight.order import FlightOrder, Mode
-from heli_flight.process_group import ProcessGroup
-from heli_flight.process_table import environment
 from heli_flight.progress import Progress
 
 REPRODUCIBLE = tuple(mode for mode in Mode if mode is not Mode.REALTIME)
@@ -87,13 +83,18 @@ def fly_run(
 
     Raises:
         KeyboardInterrupt: while flying.
+        InputError: a node refused what it was given.
         RuntimeError: it ended otherwise than flown or stopped.
     """
     bag = folder / str(run).replace(" ", "_")
-    with _load(run.loaded):
-        end = fly(replace(order, mode=run.mode, bag=bag), tell, warn)
+    # under real-time scheduling the load would hardly be felt
+    order = replace(order, mode=run.mode, bag=bag, real_time_scheduling=not run.loaded)
+    with every_core_busy(run.loaded):
+        end = fly(order, tell, warn)
     if end.exit_code == EXIT_INTERRUPTED:
         raise KeyboardInterrupt
+    if end.exit_code == EXIT_BAD_INPUT:
+        raise InputError(end.reason)
     if end.exit_code not in (EXIT_FLOWN, EXIT_SAFETY_STOP) or not (bag / "metadata.yaml").is_file():
         raise RuntimeError(f"{run}: {end.reason or 'left no bag'}")
     return Flown(run, end.simulated_seconds, end.wall_seconds, bag_hash(read_bag(bag)), end.reason, bag)
@@ -104,14 +105,3 @@ def differences(flown: Sequence[Flown]) -> list[tuple[Flown, Difference | None]]
     first = flown[0]
     others = [each for each in flown[1:] if each.sha256 != first.sha256]
     return [(each, first_difference(read_bag(first.bag), read_bag(each.bag))) for each in others]
-
-
-@contextmanager
-def _load(wanted: bool) -> Iterator[None]:
-    """Keep every core busy; the processes go with this one, however it ends."""
-    if not wanted:
-        yield
-        return
-    busy = [sys.executable, "-c", "while True: pass"]
-    with ProcessGroup({f"load_{core}": busy for core in range(os.cpu_count() or 1)}, environment()):
-        yield

@@ -6,6 +6,8 @@ import shutil
 import sys
 from time import perf_counter
 
+from heli_bench_sim.bench_parameters import BenchParameters
+from heli_bench_sim.warm_up import warm_up as bench_warm_up
 from heli_common.files import write_atomically
 from heli_common.kernel_cache import MARK, cache_folder
 from heli_control.controller_file import load_controller
@@ -33,6 +35,7 @@ def warm_up(seconds: float = 0.1) -> float:
     graph = InProcessGraph(bench_simulator(1), parts, lambda *_: None)
     while graph.bench.stamp_ns < seconds * 1e9:
         graph.advance()
+    bench_warm_up(BenchParameters())
     navigation_warm_up()
     SwiftFlight(load_plan("campaign_hover"), 1, load_controller("lq")).fly()
     write_atomically(cache_folder() / MARK, "")

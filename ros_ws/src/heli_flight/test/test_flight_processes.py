@@ -13,6 +13,11 @@ from hypothesis import strategies as st
 
 from heli_common.flight_state import FlightState
 from heli_common.topics import DATA_TOPICS, OPTIONAL_NODES, TOPICS, data_topics
+from heli_control.controller_file import load_controller
+from heli_flight import fly_graph
+from heli_flight.node_settings import FlightSettings
+from heli_flight.order import FlightOrder, Mode
+from heli_flight.plan import load_plan
 from heli_flight.process_group import ProcessGroup
 from heli_flight.process_table import NODE_NAMES, processes
 from heli_flight.progress import Progress, parse
@@ -118,3 +123,41 @@ def test_the_identification_is_an_eighth_process():
     names = [p.name for p in without]
     assert {TOPICS[topic].source for topic in data_topics(names)} == set(names) - {"recorder"}
     assert data_topics(NODE_NAMES) == DATA_TOPICS
+
+
+def order(mode, scheduled=True):
+    plan = load_plan("hover")
+    controller = load_controller(plan.controller)
+    return FlightOrder(plan, "hover", mode, 1, controller, plan.controller, Path("b"), None, scheduled)
+
+
+@pytest.mark.parametrize("mode", [Mode.LOCKSTEP, Mode.COMPOSED])
+def test_nobody_interrupts_another_node_in_lockstep(mode):
+    settings = FlightSettings.of_order(order(mode), "")
+    assert {settings.of(each, NODE_NAMES)["real_time_priority"] for each in processes(True)} == {1}
+
+
+def test_the_bench_comes_first_and_the_recorder_last_in_real_time():
+    settings = FlightSettings.of_order(order(Mode.REALTIME), "")
+    priority = {each.name: settings.of(each, NODE_NAMES)["real_time_priority"] for each in processes(True)}
+    assert sorted(priority, key=priority.get)[:: len(priority) - 1] == ["recorder", "bench_sim"]
+
+
+@pytest.mark.parametrize("mode", [Mode.LOCKSTEP, Mode.COMPOSED, Mode.REALTIME])
+def test_ordinary_scheduling_where_it_is_asked_for(mode):
+    settings = FlightSettings.of_order(order(mode, scheduled=False), "")
+    assert {settings.of(each, NODE_NAMES)["real_time_priority"] for each in processes(True)} == {0}
+
+
+def test_a_warning_that_holds_for_all_nodes_is_said_once(monkeypatch):
+    def saying(name, *warnings):
+        lines = "; ".join(f"print('{name}: warning: {each}', file=sys.stderr)" for each in warnings)
+        return python(f"import sys; {lines}")
+
+    nodes = {"bench_sim": ("all", "own"), "recorder": ("all",)}
+    commands = {name: saying(name, *warnings) for name, warnings in nodes.items()}
+    monkeypatch.setattr(fly_graph, "_commands", lambda *_: commands)
+    monkeypatch.setattr(fly_graph, "is_warm", lambda: True)
+    said = []
+    assert fly_graph.fly_graph(order(Mode.LOCKSTEP), lambda _: None, said.append).exit_code == 0
+    assert sorted(line.partition(": warning: ")[2] for line in said) == ["all", "own"]

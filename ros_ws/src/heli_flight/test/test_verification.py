@@ -4,8 +4,9 @@ import json
 
 import pytest
 
+from heli_flight import verification
 from heli_flight.cli.main import main
-from heli_flight.order import Mode
+from heli_flight.order import FlightEnd, Mode
 from heli_flight.verification import REPRODUCIBLE, Flown, Run, differences, runs
 
 PLAN = """
@@ -81,3 +82,18 @@ def test_the_first_message_that_differs_is_named(plan, tmp_path, capsys):
 def test_what_cannot_be_verified_is_refused(plan, words, said, capsys):
     assert main(["verify", str(plan), *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_what_a_node_refuses_is_bad_input(plan, monkeypatch, capsys):
+    said = "navigation: rotor_bandwidth: -1.0 is out of range (allowed: 5 .. 1000 rad/s)"
+    monkeypatch.setattr(verification, "fly", lambda *_: FlightEnd(2, said, 0.0, 1.0))
+    assert main(["verify", str(plan), "--modes", "lockstep", "--no-load"]) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.splitlines()[-1] == f"heli verify: {said}"
+
+
+def test_a_flight_that_leaves_no_bag_is_no_bad_input(plan, monkeypatch, capsys):
+    monkeypatch.setattr(verification, "fly", lambda *_: FlightEnd(3, "navigation: killed", 0.0, 1.0))
+    assert main(["verify", str(plan), "--modes", "lockstep", "--no-load"]) == 3
+    assert "lockstep 1: navigation: killed" in capsys.readouterr().err

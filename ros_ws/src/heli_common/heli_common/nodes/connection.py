@@ -47,7 +47,6 @@ class Connection:
         waking: Iterable[str] = (),
     ) -> None:
         self.node, self.name, self.running = node, name, running
-        self.is_open = False
         self.ready_nodes: set[str] = set()
         self._identity = f"{name} {uuid.uuid4().hex}"
         self._twin = False
@@ -74,15 +73,13 @@ class Connection:
         if name == self.name and message.data != self._identity and not self._announced:
             self._twin = True
 
-    def open(self) -> bool:
-        """Whether the node may act: it is the only one of its name and everyone who must hear it does.
+    def wired(self) -> bool:
+        """Whether everyone who must hear the node does, and it has looked for another one of its name.
 
         Raises:
             InputError: another node of this name runs on the same graph.
             TimeoutError: a node of this graph did not appear.
         """
-        if self.is_open:
-            return True
         self.inbox.discard()
         if self._twin:
             place = f"namespace {self.node.get_namespace()}"
@@ -94,11 +91,20 @@ class Connection:
         missing = self.missing()
         if missing and waited > PATIENCE_SECONDS:
             raise TimeoutError(f"waited {waited:.0f} s in vain for {', '.join(missing)}")
-        if missing or waited < DISCOVERY_SECONDS:
-            return False
-        self.is_open = self._announced = True
-        self._ready.publish(String(data=self._identity))
-        return True
+        return not missing and waited >= DISCOVERY_SECONDS
+
+    def open(self) -> bool:
+        """Say that the node is ready, once it is wired; returns whether it has been said.
+
+        Others begin to fly as soon as all have said so: whatever takes long must have been done before.
+
+        Raises:
+            InputError, TimeoutError: as `wired`.
+        """
+        if not self._announced and self.wired():
+            self._announced = True
+            self._ready.publish(String(data=self._identity))
+        return self._announced
 
     def absent(self) -> list[str]:
         """Nodes of this graph that have not said yet that they are ready."""

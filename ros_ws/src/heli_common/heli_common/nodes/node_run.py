@@ -28,7 +28,7 @@ class NodeRun:
     Attributes:
         code: exit code so far.
         failure: why the program stopped, empty while it runs.
-        started: whether the graph is wired.
+        started: whether the node has said that it is ready, and acts.
     """
 
     def __init__(self, node: Node, program: Program, running: tuple[str, ...]) -> None:
@@ -38,8 +38,12 @@ class NodeRun:
         self.connection = Connection(node, program.name, running, *topics)
         self.inbox = self.connection.inbox
 
-    def wire(self) -> bool:
-        """Whether the node may act, which it does from the first time on."""
+    def wired(self) -> bool:
+        """Whether the graph is wired as far as this node needs it."""
+        return self._guarded(self.connection.wired, False)
+
+    def start(self) -> bool:
+        """Whether the node has said that it is ready, and acts; it does both as soon as it is wired."""
         if not self.started and self._guarded(self.connection.open, False):
             self.started = True
             self._guarded(lambda: self.program.start(self.connection), None)

@@ -120,11 +120,17 @@ class _Loop:
             self._executor.add_node(run.node)
 
     def run(self, priority: int) -> None:
-        """Until a signal, a failure or the end of those that end by themselves."""
+        """Until a signal, a failure or the end of those that end by themselves.
+
+        The flight begins when all nodes have said that they are ready, so scheduling comes before that: the
+        collection of garbage takes longer than a control period.
+        """
         try:
-            while not self._over and not all(run.wire() for run in self._runs):
-                self._serve(WIRING_SECONDS)
-            self._schedule(priority)
+            self._serve_until(NodeRun.wired)
+            if not self._over:
+                self._schedule(priority)
+                self._serve(0.0)  # another node of this name may have spoken meanwhile
+            self._serve_until(NodeRun.start)
             self._turns()
             for run in self._runs:
                 run.tell_failure()
@@ -133,6 +139,11 @@ class _Loop:
                 run.close()
             self._set.destroy_when_not_in_use()
             self._executor.shutdown()
+
+    def _serve_until(self, done: Callable[[NodeRun], bool]) -> None:
+        """Until all have done it, or the end."""
+        while not self._over and not all(done(run) for run in self._runs):
+            self._serve(WIRING_SECONDS)
 
     def _turns(self) -> None:
         """Programs act, wait, take in turn; those that wait for no message and the executor now and then."""

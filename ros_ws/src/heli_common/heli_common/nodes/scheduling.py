@@ -23,5 +23,5 @@ def become_real_time(priority: int) -> str:
         for task in Path("/proc/self/task").iterdir():
             os.sched_setscheduler(int(task.name), os.SCHED_FIFO, os.sched_param(priority))
     except (OSError, AttributeError) as error:
-        return f"SCHED_FIFO {priority} is not permitted ({error})"
+        return f"SCHED_FIFO is not permitted ({error})"
     return ""

@@ -24,6 +24,7 @@ from heli_flight.flying import fly
 from heli_flight.metrics import flight_metrics
 from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.process_table import NODE_NAMES
+from heli_flight.punctuality import FIGURES, punctuality
 
 WORDS = {
     EXIT_FLOWN: "flown",
@@ -69,7 +70,9 @@ def add_parser(words: Any) -> None:
     word.add_argument("--storage", default="mcap", choices=tuple(STORAGES), help="how the bag is stored")
     word.add_argument("--no-report", action="store_true", help="leave the bag only")
     word.add_argument(
-        "--no-real-time-scheduling", action="store_true", help="do not ask for SCHED_FIFO in real time"
+        "--no-real-time-scheduling",
+        action="store_true",
+        help="do not ask for SCHED_FIFO, which keeps times in real time and makes lockstep faster",
     )
     word.add_argument(
         "--with",
@@ -174,6 +177,7 @@ def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] 
         "wall_s": round(end.wall_seconds, 3),
         "lost_messages": lost,
         "late_commands": late,
+        "punctuality": punctuality(record.custom_data) if order.mode is Mode.REALTIME else {},
         "paused_s": float(record.custom_data.get("paused_s", 0.0)),
         "metrics": flight_metrics(record),
         "bag": str(order.bag),
@@ -198,6 +202,10 @@ def _print(result: dict[str, Any]) -> None:
     if result["paused_s"]:
         say(f", the bench itself was kept from running for {result['paused_s']:.3f} s")
     say("\n")
+    for key, figures in result["punctuality"].items():
+        subject = key.replace("latency_", "sensor to ").replace("_", " ")
+        said = ", ".join(f"{word} {figures[name]:.2f}" for word, name in FIGURES.items() if name in figures)
+        say(f"{subject} {said} ms\n")
     say(f"bag {result['bag']}\n")
     if result["report"]:
         say(f"report {result['report']}\n")
