@@ -34,7 +34,7 @@ about: nothing but a hover, long enough to ask for something
 seed: 4
 controller: lq
 phases:
-  - home: {duration: 5.0}
+  - home: {}  # long enough to be asked for something
   - run_up: {duration: 1.0}
   - take_off: {height: 0.0, speed: 0.15}  # slow: the guard stops what is asked for in a fast one
   - hover: {duration: 5.0}

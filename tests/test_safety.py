@@ -7,7 +7,6 @@ from pathlib import Path
 from time import monotonic
 
 import pytest
-from brief import brief
 
 from heli_flight.bag_reader import read_bag
 
@@ -135,8 +134,7 @@ def test_a_second_bench_on_the_same_graph_is_refused(heli, wait_for):
     patient = heli.folder / "patient.yaml"
     patient.write_text("bench_sim:\n  ros__parameters:\n    watch:\n      silence: 5.0\n")
     words = ["--mode", "realtime", "--name", "first", "--params-file", str(patient), "--no-report", "--json"]
-    (heli.folder / "plan.yaml").write_text(brief("hover: {duration: 3.0}"))
-    first = heli.start("fly", "plan.yaml", *words)
+    first = heli.start("fly", "short_hover", *words)  # long enough for the nodes of the second to load
     wait_for(lambda: flying(heli.folder))
     second = heli("fly", "short_hover", "--mode", "lockstep", "--name", "second", "--no-report")
     assert second.returncode == 2
