@@ -10,8 +10,17 @@ from time import monotonic
 
 import pytest
 
-_DOMAINS = itertools.count(os.getpid() % 80)
 PATIENCE = 90.0
+
+
+def domains():
+    """ROS domains in turn; HELI_TEST_DOMAINS=FIRST-LAST keeps tests that run beside others apart."""
+    first, _, last = os.environ.get("HELI_TEST_DOMAINS", "1-90").partition("-")
+    mine = range(int(first), int(last) + 1)
+    return (mine[number % len(mine)] for number in itertools.count(os.getpid()))
+
+
+_DOMAINS = domains()
 
 
 class Heli:
@@ -73,7 +82,15 @@ class Heli:
 @pytest.fixture
 def heli(tmp_path):
     """The command, in a folder and a ROS domain that no other test uses."""
-    runner = Heli(tmp_path, 1 + next(_DOMAINS) % 90)
+    runner = Heli(tmp_path, next(_DOMAINS))
+    yield runner
+    runner.close()
+
+
+@pytest.fixture(scope="module")
+def shared_heli(tmp_path_factory):
+    """The same for what several tests of a module need."""
+    runner = Heli(tmp_path_factory.mktemp("shared"), next(_DOMAINS))
     yield runner
     runner.close()
 

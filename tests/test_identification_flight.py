@@ -1,4 +1,7 @@
-"""Flights with an identification: the same bytes in both ways, known excitation, loss in flight."""
+"""Flights with an identification: known excitation, loss in flight.
+
+That they are the same in every way of running: `test_ways_of_running.py`.
+"""
 
 import json
 import os
@@ -8,6 +11,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
+from brief import brief
 
 from heli_common.topics import TOPICS, data_topics
 from heli_flight.flight_record import FlightRecord
@@ -16,20 +21,12 @@ from heli_flight.process_table import processes
 from heli_flight.replay_check import replay
 from heli_identification.excitation import CHANNELS, samples
 
-EXCITED = """
-name: excited
-about: cyclic and reference excited one after the other
-seed: 4
-controller: lq
-phases:
-  - home: {}
-  - run_up: {}
-  - take_off: {height: 0.0, speed: 0.5}
-  - excite: {signal: prbs, channels: [B_1s, A_1s], amplitude_deg: 0.8, band_rad_s: [2, 12], duration: 4.0}
-  - excite: {signal: doublets, channel: v, amplitude_m_s: 0.2, hold: 0.5, duration: 2.5, fade: 0.2}
-  - land: {speed: 0.3}
-  - run_down: {duration: 0.5}
-"""
+EXCITED = brief(
+    "excite: {signal: prbs, channels: [B_1s, A_1s], amplitude_deg: 0.8, band_rad_s: [2, 12], duration: 4.0}",
+    "excite: {signal: doublets, channel: v, amplitude_m_s: 0.2, hold: 0.5, duration: 2.5, fade: 0.2}",
+    seed=4,
+)
+"""Cyclic and reference excited one after the other."""
 
 CALM = """
 name: calm
@@ -37,11 +34,11 @@ about: nothing but a hover, long enough to ask for something
 seed: 4
 controller: lq
 phases:
-  - home: {}
-  - run_up: {}
+  - home: {}  # long enough to be asked for something
+  - run_up: {duration: 1.0}
   - take_off: {height: 0.0, speed: 0.15}  # slow: the guard stops what is asked for in a fast one
-  - hover: {duration: 12.0}
-  - land: {speed: 0.3}
+  - hover: {duration: 5.0}
+  - land: {speed: 0.5}
   - run_down: {duration: 0.5}
 """
 
@@ -82,12 +79,9 @@ def table(record, topic):
     return stamps, values
 
 
-def test_in_process_and_lockstep_fly_the_same_excitation_and_it_is_known_exactly(heli):
-    flights = [fly(heli, EXCITED, mode, mode) for mode in ("inprocess", "lockstep")]
-    assert flights[0]["sha256"] == flights[1]["sha256"]
-    assert all(flight["lost_messages"] == 0 for flight in flights)
-    assert set(flights[1]["late_commands"].values()) == {0}
-    record = read(heli, "lockstep")
+def test_an_excitation_of_a_plan_is_known_exactly(heli):
+    assert fly(heli, EXCITED, "inprocess", "b")["lost_messages"] == 0
+    record = read(heli, "b")
     first, second = parse_plan(EXCITED).excitations
     stamps, commands = table(record, "excitation")
     state_stamps, states = table(record, "flight_state")
@@ -117,8 +111,9 @@ def test_in_process_and_lockstep_fly_the_same_excitation_and_it_is_known_exactly
 
 
 def test_an_idle_identification_changes_no_byte_of_the_others(heli):
-    fly(heli, CALM, "inprocess", "with", "--with", "identification")
-    fly(heli, CALM, "inprocess", "without")
+    plan = brief("hover: {duration: 2.0}", seed=4)
+    fly(heli, plan, "inprocess", "with", "--with", "identification")
+    fly(heli, plan, "inprocess", "without")
     one, other = read(heli, "with").bag, read(heli, "without").bag
     assert set(one.messages) - set(other.messages) == {
         *("excitation", "reference_excitation", "motor_excitation", "estimate")
@@ -154,6 +149,7 @@ def processes_of(parent):
     return found
 
 
+@pytest.mark.alone
 def test_a_request_in_flight_and_the_loss_of_the_node_in_real_time(heli, wait_for):
     (heli.folder / "plan.yaml").write_text(CALM)
     words = ("--mode", "realtime", "--name", "b", "--no-report", "--with", "identification")

@@ -1,4 +1,7 @@
-"""Bad input is one clear line and exit code 2, before anything moves and with nothing half-written."""
+"""Bad input is one clear line and exit code 2, before anything moves and with nothing half-written.
+
+So is, with exit code 3, a node for which others do not come.
+"""
 
 import dataclasses
 import re
@@ -9,6 +12,13 @@ import pytest
 from heli_control.controller_file import load_controller
 from heli_control.motor_controller_file import load_motor_controller
 from heli_flight.plan import load_plan
+
+
+@pytest.fixture(scope="module", autouse=True)
+def lonely_bench(shared_heli):
+    """Waits for its navigation, 20 s, while the others are tested."""
+    words = ("-m", "heli_bench_sim.nodes.bench_sim_node", "--ros-args", "-p", "running:=bench_sim,navigation")
+    return shared_heli.start_process(sys.executable, *words)
 
 
 def refused(heli, *words):
@@ -140,3 +150,10 @@ def test_a_wrong_node_parameter(heli):
     assert "rotor_bandwidth" in error
     assert "-1.0" in error
     assert "Traceback" not in error
+
+
+def test_a_bench_alone_gives_up_by_name(lonely_bench):
+    _, error = lonely_bench.communicate(timeout=60)
+    assert lonely_bench.returncode == 3
+    assert "navigation (encoders)" in error
+    assert len(error.strip().splitlines()) == 1

@@ -3,6 +3,9 @@
 import json
 import sys
 
+import pytest
+from brief import brief
+
 from heli_flight.bag_reader import read_bag
 from heli_flight.process_table import NODE_NAMES
 from heli_flight.replay_check import replay
@@ -26,15 +29,23 @@ sys.exit(run_node("supervisor", lambda *_: Program(Listener()), sys.argv[2:]))
 """
 
 
-def test_navigation_repeats_its_odometry(heli):
-    assert heli("fly", "short_hover", "--mode", "inprocess", "--name", "b", "--no-report").returncode == 0
-    bag = read_bag(heli.folder / "flights" / "b")
+@pytest.fixture(scope="module")
+def flown(shared_heli):
+    """Folder of the bag that is played."""
+    (shared_heli.folder / "plan.yaml").write_text(brief("hover: {duration: 2.0}"))
+    ran = shared_heli("fly", "plan.yaml", "--mode", "inprocess", "--name", "b", "--no-report")
+    assert ran.returncode == 0, ran.stderr
+    return shared_heli.folder / "flights/b"
+
+
+def test_navigation_repeats_its_odometry(heli, flown):
+    bag = read_bag(flown)
     expected = bag.messages["odometry"]
     running = ("--ros-args", "-p", "running:=replay,navigation,supervisor")
     listener = heli.start_process(sys.executable, "-c", LISTENER, str(len(expected)), *running)
     heli.start_process(sys.executable, "-m", "heli_navigation.nodes.navigation_node", *running)
     player = heli.start_process(
-        *(sys.executable, "-m", "heli_flight.nodes.replay_node", "flights/b", *running),
+        *(sys.executable, "-m", "heli_flight.nodes.replay_node", str(flown), *running),
         *("-p", "topics:=encoders,imu,rotor", "-p", "rate:=2.0"),
     )
     out, _ = listener.communicate(timeout=60)
@@ -149,12 +160,12 @@ def ask(name, key, value):
     result = future.result().results[0]
     assert result.successful, result.reason
 
-until(18.0)
+until(13.0)
 ask("attitude_controller", "controller", "gst2")
 ask("identification", "excite", "{signal: prbs, channel: B_1s, amplitude_deg: 0.3, "
     "band_rad_s: [0.5, 12], duration: 5.0}")
 ask("bench_sim", "fault", "supply_sag voltage_fraction=0.95 for_s=1")
-until(20.0)
+until(15.0)
 ask("identification", "excite", "")
 future = land.call_async(Trigger.Request())
 rclpy.spin_until_future_complete(node, future, timeout_sec=20.0)
@@ -165,10 +176,9 @@ rclpy.try_shutdown()
 """
 
 
-def test_replay_pauses_steps_and_changes_its_rate(heli):
-    assert heli("fly", "short_hover", "--mode", "inprocess", "--name", "b", "--no-report").returncode == 0
+def test_replay_pauses_steps_and_changes_its_rate(heli, flown):
     part = "--start-offset 10 --duration 3 --topics rotor,reference"
-    words = ["flights/b", "--start-paused", *part.split()]
+    words = [str(flown), "--start-paused", *part.split()]
     player = heli.start_process(sys.executable, "-m", "heli_flight.nodes.replay_node", *words)
     panel = heli.start_process(sys.executable, "-c", PANEL)
     said, error = panel.communicate(timeout=80)
@@ -178,14 +188,17 @@ def test_replay_pauses_steps_and_changes_its_rate(heli):
 
 
 def test_a_flight_in_which_everything_was_asked_for_is_repeated(heli):
+    (heli.folder / "plan.yaml").write_text(brief("hover: {duration: 20.0}"))
     words = ("--mode", "lockstep", "--name", "b", "--no-report", "--with", "identification")
-    flight = heli.start("fly", "hover_steps", *words, "--json")
+    flight = heli.start("fly", "plan.yaml", *words, "--json")
     asking = heli.start_process(sys.executable, "-c", ASKING)
     said, error = asking.communicate(timeout=80)
     assert said == "asked\n", error
     out, error = flight.communicate(timeout=80)
     assert flight.returncode == 0, error
-    assert json.loads(out)["simulated_s"] < 40.0
+    about = json.loads(out)
+    assert about["simulated_s"] < 25.0  # landed when asked to
+    assert about["lost_messages"] == 0 and set(about["late_commands"].values()) == {0}
     bag = read_bag(heli.folder / "flights" / "b")
     asked = {node: len(requests_of(bag, node)) for node in NODE_NAMES}
     assert {node: count for node, count in asked.items() if count} == {

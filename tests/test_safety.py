@@ -2,7 +2,6 @@
 
 import os
 import signal
-import subprocess
 import sys
 from pathlib import Path
 from time import monotonic
@@ -62,6 +61,7 @@ def test_interrupted_while_loading(heli, wait_for):
     assert "Traceback" not in error
 
 
+@pytest.mark.alone
 def test_interrupted_in_the_background_of_a_shell(heli, wait_for):
     """A shell starts what it puts into the background with SIGINT ignored."""
     script = (
@@ -76,6 +76,7 @@ def test_interrupted_in_the_background_of_a_shell(heli, wait_for):
     assert read_bag(heli.folder / "flights" / "b").complete
 
 
+@pytest.mark.alone
 @pytest.mark.parametrize("moment", ["starting", "flying"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interrupted_at_any_moment(heli, wait_for, moment, number):
@@ -98,8 +99,10 @@ def test_interrupted_at_any_moment(heli, wait_for, moment, number):
         assert bag.counts["encoders"] > 100
 
 
-@pytest.mark.parametrize("node", ["navigation", "attitude_controller", "recorder"])
+@pytest.mark.alone
+@pytest.mark.parametrize("node", ["navigation", "attitude_controller"])
 def test_a_killed_node_stops_the_flight_by_name(heli, wait_for, node):
+    """The recorder's loss: `test_recorder_loss.py`."""
     process = heli.start("fly", "hover_steps", "--mode", "realtime", "--name", "b", "--no-report")
     wait_for(lambda: flying(heli.folder))
     (victim,) = [pid for pid, line in children(process.pid).items() if f"{node}_node" in line]
@@ -109,9 +112,10 @@ def test_a_killed_node_stops_the_flight_by_name(heli, wait_for, node):
     assert f"{node}: killed by signal 9" in error
     bag = read_bag(heli.folder / "flights" / "b")
     assert bag.counts["encoders"] > 100
-    assert bag.complete is (node != "recorder")
+    assert bag.complete
 
 
+@pytest.mark.alone
 def test_a_command_that_is_no_number_stops_the_motor(heli, wait_for):
     process = heli.start("fly", "short_hover", "--mode", "realtime", "--name", "b", "--no-report")
     wait_for(lambda: flying(heli.folder))
@@ -124,12 +128,13 @@ def test_a_command_that_is_no_number_stops_the_motor(heli, wait_for):
     assert read_bag(heli.folder / "flights" / "b").custom_data["result"] == said
 
 
+@pytest.mark.alone
 def test_a_second_bench_on_the_same_graph_is_refused(heli, wait_for):
     # seven more nodes load while the first flight goes on: starving it is another test's subject
     patient = heli.folder / "patient.yaml"
     patient.write_text("bench_sim:\n  ros__parameters:\n    watch:\n      silence: 5.0\n")
     words = ["--mode", "realtime", "--name", "first", "--params-file", str(patient), "--no-report", "--json"]
-    first = heli.start("fly", "short_hover", *words)
+    first = heli.start("fly", "short_hover", *words)  # long enough for the nodes of the second to load
     wait_for(lambda: flying(heli.folder))
     second = heli("fly", "short_hover", "--mode", "lockstep", "--name", "second", "--no-report")
     assert second.returncode == 2
@@ -138,18 +143,3 @@ def test_a_second_bench_on_the_same_graph_is_refused(heli, wait_for):
     out, error = first.communicate(timeout=60)
     assert first.returncode == 0, error
     assert '"lost_messages": 0' in out
-
-
-def test_a_bench_alone_gives_up_by_name(heli):
-    ran = subprocess.run(
-        [sys.executable, "-m", "heli_bench_sim.nodes.bench_sim_node", "--ros-args"]
-        + ["-p", "running:=bench_sim,navigation"],
-        env=heli.environment,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    assert ran.returncode == 3
-    assert "navigation (encoders)" in ran.stderr
-    assert len(ran.stderr.strip().splitlines()) == 1

@@ -44,6 +44,8 @@ class Bench:
         shutil.copytree(ROOT / "ros_ws/scripts", self.root / "ros_ws/scripts")
         for name in ("requirements.txt", "requirements-dev.txt"):
             shutil.copy(ROOT / name, self.root)
+        (self.root / "tests").mkdir()
+        shutil.copy(ROOT / "tests/run.sh", self.root / "tests")
         for setup in (*ROOT.glob("heli_*/setup.py"), *ROOT.glob("ros_ws/src/heli_[cf]*/setup.py")):
             package = self.root / setup.parent.relative_to(ROOT)
             if not package.exists():
@@ -91,12 +93,15 @@ COMPILE = "-m heli_flight.warm_up"
 
 def test_set_up_makes_installs_compiles_and_then_rests(bench: Bench) -> None:
     said = bench.run("setup.sh")
-    make, first, pinned, ours, compile_ = bench.calls()
+    make, first, pinned, ours, bytecode, compile_ = bench.calls()
     assert make == f"-m venv -- {bench.root}/.venv"
     assert "--require-hashes" in first and first.endswith("-r /dev/stdin")
     assert "--require-hashes" in pinned and pinned.endswith("-r requirements.txt")
-    assert "--no-deps --no-build-isolation --use-pep517" in ours and ours.count("--editable=./") == 6
-    assert compile_ == COMPILE
+    assert (
+        "--no-deps --no-compile --no-build-isolation --use-pep517" in ours
+        and ours.count("--editable=./") == 6
+    )
+    assert bytecode.startswith("-m compileall") and compile_ == COMPILE
     assert "complete" in said.splitlines()[-1]
     assert bench.run("setup.sh") == ""
     assert bench.calls() == []
@@ -129,7 +134,7 @@ def test_broken_set_up_is_done_afresh(bench: Bench, broken: str) -> None:
     (bench.root / ".venv/half_installed").touch()
     bench.calls()
     bench.run("setup.sh")
-    assert len(bench.calls()) == 5
+    assert len(bench.calls()) == 6
     assert not (bench.root / ".venv/half_installed").exists()
 
 
@@ -138,6 +143,42 @@ def test_failed_compilation_alone_is_repeated(bench: Bench) -> None:
     bench.calls()
     bench.run("setup.sh")
     assert bench.calls() == [COMPILE]
+
+
+def test_compiling_may_be_left_for_later(bench: Bench) -> None:
+    bench.run("setup.sh", "--dev", "--no-kernels")
+    assert COMPILE not in bench.calls()
+    bench.run("setup.sh", "--no-kernels")
+    assert bench.calls() == []
+    bench.run("setup.sh", "--dev")
+    assert bench.calls() == [COMPILE]
+    bench.run("setup.sh")
+    assert bench.calls() == []
+
+
+PACKAGES = ("heli_bench_sim", "heli_navigation", "heli_control", "heli_identification")
+IN_WORKSPACE = ("ros_ws/src/heli_common", "ros_ws/src/heli_flight")
+
+
+@pytest.mark.parametrize("broken", ["", "pytest heli_navigation", "-m alone", "check", COMPILE])
+def test_the_test_run_runs_every_check_and_names_one_that_failed(bench: Bench, broken: str) -> None:
+    for name in ("ways_of_running", "side_by_side", "live_graph", "refusals", "safety"):
+        (bench.root / f"tests/test_{name}.py").touch()
+    bench.run("setup.sh", "--dev", "--no-kernels")
+    for name in ("ruff", "mypy"):
+        (bench.root / ".venv/bin" / name).symlink_to("python")
+    bench.calls()
+    process = bench.start("../../tests/run.sh", FAIL=broken)
+    output, _ = process.communicate(timeout=60)
+    calls = bench.calls()
+    assert process.returncode == (1 if broken else 0)
+    assert output.splitlines()[-1].startswith("failed: ") is bool(broken)
+    words = " ".join(call for call in calls if call.startswith("-m pytest")).split()
+    assert all(words.count(package) == 1 for package in (*PACKAGES, *IN_WORKSPACE))
+    apart = [word.removeprefix("--ignore=") for word in words if word.startswith("--ignore=")]
+    assert words.count("tests") == 2 and apart and all(words.count(path) == 1 for path in apart)
+    assert {"check", "format --check", COMPILE} <= set(calls)
+    assert any(call.startswith("-pheli_common") for call in calls)
 
 
 def test_edits_lead_to_what_they_concern(bench: Bench) -> None:
@@ -162,7 +203,7 @@ def test_two_set_ups_at_a_time_do_the_work_once(bench: Bench) -> None:
     said = [process.communicate(timeout=60)[1] for process in both]
     assert [process.returncode for process in both] == [0, 0]
     assert sum("waiting for another set-up" in errors for errors in said) == 1
-    assert len(bench.calls()) == 5
+    assert len(bench.calls()) == 6
 
 
 @pytest.mark.parametrize(

@@ -2,21 +2,11 @@
 
 import json
 
+from brief import brief
+
 from heli_common.body_frame import SHOWN_PERIOD_NS, TF, TRANSFORM
 from heli_flight.bag_reader import read_bag
 
-PLAN = """
-name: hop
-about: as short as a flight can be
-seed: 1
-controller: lq
-phases:
-  - home: {duration: 5.0}
-  - run_up: {duration: 4.0}
-  - take_off: {height: -0.25, speed: 0.5}
-  - land: {speed: 0.4}
-  - run_down: {duration: 0.5}
-"""
 PLACES = ("left", "right/second")
 
 
@@ -25,7 +15,7 @@ def fly(heli, mode, name, *more):
 
 
 def test_two_benches_in_two_namespaces_do_not_touch_each_other(heli, wait_for):
-    (heli.folder / "hop.yaml").write_text(PLAN)
+    (heli.folder / "hop.yaml").write_text(brief())
     # with another seed on the other bench, a message from next door would change the hash
     seeds = ("1", "2")
     alone = [fly(heli, "inprocess", f"alone_{seed}", "--seed", seed) for seed in seeds]

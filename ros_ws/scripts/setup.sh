@@ -3,6 +3,7 @@
 #
 #   setup.sh          what flying needs     (requirements.txt)
 #   setup.sh --dev    and what testing needs (requirements-dev.txt; a browser, if apt-get may install it)
+#   setup.sh --dev --no-kernels   the same, but the flight code is compiled when somebody asks without this
 #
 # It lands in .venv in the repository, or where HELI_VENV says. HELI_PYTHON names another Python to build it
 # with. pip's own variables (PIP_INDEX_URL, ...) are respected. Exit code 2: no usable Python.
@@ -16,11 +17,14 @@ fail() {
     exit 2
 }
 
-case "$*" in
-    "") kind=run ;;
-    --dev) kind=dev ;;
-    *) fail "unknown arguments: $* (only --dev is known)" ;;
-esac
+kind=run kernels=1
+for word; do
+    case $word in
+        --dev) kind=dev ;;
+        --no-kernels) kernels=0 ;;
+        *) fail "unknown arguments: $* (allowed: --dev, --no-kernels)" ;;
+    esac
+done
 
 python=$HELI_VENV/bin/python
 stamp=$HELI_VENV/.heli_setup # lines "run KEY", "dev KEY", "kernels KEY"; a line stands for a completed part
@@ -48,7 +52,7 @@ kernels_key() { find "${modules[@]}" -name '*.py' -print0 | sort -z | key_of "$c
 
 stamped() { [[ -f $stamp && $'\n'$(<"$stamp")$'\n' == *$'\n'"$1 $2"$'\n'* ]]; }
 installed() { [[ -x $python && -f $HELI_VENV/pyvenv.cfg ]] && stamped "$kind" "$(install_key "$kind")"; }
-compiled() { [[ -d $cache ]] && stamped kernels "$(kernels_key)"; }
+compiled() { ((!kernels)) || { [[ -d $cache ]] && stamped kernels "$(kernels_key)"; }; }
 
 # A venv whose set-up broke off (an empty stamp) or whose Python is gone is made afresh; any other is updated.
 usable() { [[ -f $HELI_VENV/pyvenv.cfg && (-s $stamp || ! -f $stamp) ]] && "$python" -c '' 2>/dev/null; }
@@ -93,13 +97,15 @@ install() {
     say "installing $requirements (a minute, once)"
     # The files are complete, so pip has nothing to resolve, which old versions of it get wrong with extras. One
     # package comes as source only: it is built with the pinned setuptools, not with the newest there is.
-    local pip=("$python" -m pip --disable-pip-version-check --quiet install --no-deps)
+    local pip=("$python" -m pip --disable-pip-version-check --quiet install --no-deps --no-compile)
     first=$(awk '/^setuptools==/ {on = 1} on {print} on && !/\\$/ {exit}' "$requirements")
     "${pip[@]}" --require-hashes -r /dev/stdin <<<"$first"
     pip+=(--no-build-isolation --use-pep517)
     "${pip[@]}" --require-hashes -r "$requirements"
     say "installing the six packages"
     "${pip[@]}" "${packages[@]/#/--editable=./}"
+    # Bytecode of what will be imported, on every core: pip would write that of the packages' tests, too, on one.
+    "$python" -m compileall -q -j 0 -x '/tests?/' "$HELI_VENV/lib" >/dev/null || say "some bytecode is missing"
     register
     {
         echo "run $(install_key run)"
@@ -144,8 +150,8 @@ browser() {
     say "no browser: the tests that open reports in one will fail (apt install chromium)"
 }
 
-if [[ $kind == dev ]]; then browser; fi
-if installed && compiled; then exit; fi
+if [[ $kind == dev ]]; then browser & fi # beside pip
+if installed && compiled; then wait && exit; fi
 
 if [[ -n $(ls -A -- "$HELI_VENV" 2>/dev/null) && ! -f $HELI_VENV/pyvenv.cfg && ! -f $HELI_VENV/.heli_lock ]]; then
     fail "HELI_VENV=$HELI_VENV is a folder with other things in it"
@@ -160,4 +166,5 @@ if ! installed; then
     install
 fi
 compiled || compile
+wait
 say "complete after $SECONDS s"
