@@ -42,6 +42,13 @@ def children(parent):
     return found
 
 
+def patient(heli):
+    """Parameters of a bench that bears with commands that come late, because other programs load beside it."""
+    file = heli.folder / "patient.yaml"
+    file.write_text("bench_sim:\n  ros__parameters:\n    watch:\n      silence: 5.0\n")
+    return file
+
+
 def messages(bag):
     return sum(read_bag(bag).counts.values())
 
@@ -117,7 +124,8 @@ def test_a_killed_node_stops_the_flight_by_name(heli, wait_for, node):
 
 @pytest.mark.alone
 def test_a_command_that_is_no_number_stops_the_motor(heli, wait_for):
-    process = heli.start("fly", "short_hover", "--mode", "realtime", "--name", "b", "--no-report")
+    words = ["--mode", "realtime", "--name", "b", "--params-file", str(patient(heli)), "--no-report"]
+    process = heli.start("fly", "short_hover", *words)
     wait_for(lambda: flying(heli.folder))
     rogue = heli.start_process(sys.executable, "-c", ROGUE)
     _, error = process.communicate(timeout=30)
@@ -130,10 +138,8 @@ def test_a_command_that_is_no_number_stops_the_motor(heli, wait_for):
 
 @pytest.mark.alone
 def test_a_second_bench_on_the_same_graph_is_refused(heli, wait_for):
-    # seven more nodes load while the first flight goes on: starving it is another test's subject
-    patient = heli.folder / "patient.yaml"
-    patient.write_text("bench_sim:\n  ros__parameters:\n    watch:\n      silence: 5.0\n")
-    words = ["--mode", "realtime", "--name", "first", "--params-file", str(patient), "--no-report", "--json"]
+    words = ["--mode", "realtime", "--name", "first", "--params-file", str(patient(heli)), "--no-report"]
+    words.append("--json")
     first = heli.start("fly", "short_hover", *words)  # long enough for the nodes of the second to load
     wait_for(lambda: flying(heli.folder))
     second = heli("fly", "short_hover", "--mode", "lockstep", "--name", "second", "--no-report")
