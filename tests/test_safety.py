@@ -43,7 +43,7 @@ def children(parent):
 
 
 def patient(heli):
-    """Parameters of a bench that bears with commands that come late, because other programs load beside it."""
+    """Parameters of a bench that bears with late commands, because other programs load beside the flight."""
     file = heli.folder / "patient.yaml"
     file.write_text("bench_sim:\n  ros__parameters:\n    watch:\n      silence: 5.0\n")
     return file
@@ -139,8 +139,7 @@ def test_a_command_that_is_no_number_stops_the_motor(heli, wait_for):
 @pytest.mark.alone
 def test_a_second_bench_on_the_same_graph_is_refused(heli, wait_for):
     words = ["--mode", "realtime", "--name", "first", "--params-file", str(patient(heli)), "--no-report"]
-    words.append("--json")
-    first = heli.start("fly", "short_hover", *words)  # long enough for the nodes of the second to load
+    first = heli.start("fly", "short_hover", *words, "--json")  # long enough for the nodes of the second to load
     wait_for(lambda: flying(heli.folder))
     second = heli("fly", "short_hover", "--mode", "lockstep", "--name", "second", "--no-report")
     assert second.returncode == 2
