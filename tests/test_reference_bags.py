@@ -1,8 +1,9 @@
-"""The committed flight: whole, of the hash that bags/README.md names, and what today's code makes of it.
+"""The committed flights: whole, of the hashes that bags/README.md names, and what today's code makes of them.
 
 Between processor types numbers differ in the last bits (spec 6.5): replayed navigation is compared to 1e-7.
 """
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,13 @@ from rosbags.rosbag2 import Reader
 
 from heli_common.topics import TOPICS
 from heli_flight.bag_reader import read_bag
+from heli_flight.cli.main import main
 from heli_flight.components import navigator
 from heli_flight.flight_hash import bag_hash
 from heli_flight.packed import read_layout
 
 BAGS = Path(__file__).parents[1] / "bags"
-NAMES = ("hover_steps",)
+NAMES = ("hover_steps", "identification")
 SECONDS = 20
 LARGEST_BYTES = 12_000_000
 
@@ -37,9 +39,10 @@ def test_they_stay_small():
     assert sorted(path.name for path in BAGS.iterdir() if path.is_dir()) == sorted(NAMES)
 
 
-def test_rosbags_reads_them():
-    with Reader(BAGS / "hover_steps") as reader:
-        assert reader.message_count == sum(read_bag(BAGS / "hover_steps").counts.values())
+@pytest.mark.parametrize("name", NAMES)
+def test_rosbags_reads_them(name):
+    with Reader(BAGS / name) as reader:
+        assert reader.message_count == sum(read_bag(BAGS / name).counts.values())
         connection, _, data = next(iter(reader.messages()))
         assert len(data) == TOPICS[connection.topic.lstrip("/")].layout.size
 
@@ -63,3 +66,15 @@ def test_navigation_of_today_finds_the_same_motion(bag):
         count = len(sent[topic])
         assert count == SECONDS * 100
         np.testing.assert_allclose(np.array(sent[topic]), recorded[:count], rtol=1e-7, atol=1e-7)
+
+
+def test_the_plant_is_identified_from_the_second(tmp_path, capsys):
+    words = ["identify", str(BAGS / "identification"), "--structure", "servo_rotor"]
+    assert main([*words, "--out", str(tmp_path / "model.yaml"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["converged"]
+    assert min(found["validation_fit_percent"].values()) > 80.0
+    # pitch and roll damping: of fifty flights of this bench, docs/identification.md
+    for name, mean in (("M_q", -14.13), ("L_p", -33.75)):
+        assert found["parameters"][name]["value"] == pytest.approx(mean, rel=0.03)
+        assert found["parameters"][name]["standard_error"] < 0.01 * abs(mean)
