@@ -139,9 +139,8 @@ def test_a_command_that_is_no_number_stops_the_motor(heli, wait_for):
 @pytest.mark.alone
 def test_a_second_bench_on_the_same_graph_is_refused(heli, wait_for):
     words = ["--mode", "realtime", "--name", "first", "--params-file", str(patient(heli)), "--no-report"]
-    first = heli.start(
-        "fly", "short_hover", *words, "--json"
-    )  # long enough for the nodes of the second to load
+    # a flight long enough for the nodes of the second to load
+    first = heli.start("fly", "short_hover", *words, "--json")
     wait_for(lambda: flying(heli.folder))
     second = heli("fly", "short_hover", "--mode", "lockstep", "--name", "second", "--no-report")
     assert second.returncode == 2
