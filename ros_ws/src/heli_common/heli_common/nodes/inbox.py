@@ -8,6 +8,7 @@ executor knows nothing of these subscriptions and goes on to serve parameters, s
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -22,6 +23,9 @@ OnMessage = Callable[[str, bytes], object]
 
 _Source = tuple[str, Callable[[Any, bool], Any], Any]
 """Topic, how to take a message from it, class of its messages."""
+
+_Taken = tuple[str, tuple[bytes, dict[str, int]]]
+"""Topic, serialized message and what the middleware says about it."""
 
 
 def _unused(_data: bytes) -> None:
@@ -67,6 +71,9 @@ class Inbox:
     def take(self, on_message: OnMessage) -> int:
         """Deliver what has come, behind it one message of each topic that ends a burst.
 
+        When several bursts have come since the last look, all are delivered in the order of their stamps: who
+        waits for the end of a burst must not think it lost because the beginnings of others stand before it.
+
         Returns:
             how many messages; 0 if nothing has come, or only the beginning of a burst.
         """
@@ -74,28 +81,21 @@ class Inbox:
         if self._whole and not ends:
             return 0
         self._whole = bool(ends)
-        count = len(ends) + self._drain(self._begins, on_message)
-        for topic, taken in ends:
-            self._deliver(topic, taken, on_message)
-        return count  # a further end waits for the next look, for its burst may have come after this one
-
-    def _drain(self, sources: list[_Source], on_message: OnMessage) -> int:
-        count = 0
-        for topic, take, kind in sources:
-            while (taken := take(kind, True)) is not None:
-                count += 1
-                self._deliver(topic, taken, on_message)
-        return count
-
-    def _deliver(self, topic: str, taken: tuple[bytes, dict[str, int]], on_message: OnMessage) -> None:
-        data, about = taken
-        self.arrived_ns = about["received_timestamp"]
-        on_message(topic, data)
+        found = _drain(self._begins)
+        if ends and len(found) > len(self._begins):
+            ends += _drain(self._ends)
+            found += _drain(self._begins)  # those of the ends just taken came before them
+            found = sorted([*found, *ends], key=_stamp)
+        else:
+            found += ends  # a further end waits for the next look, for its burst may have come after this one
+        for topic, (data, about) in found:
+            self.arrived_ns = about["received_timestamp"]
+            on_message(topic, data)
+        return len(found)
 
     def discard(self) -> None:
         """Forget everything that has arrived."""
-        for sources in (self._begins, self._ends):
-            self._drain(sources, lambda _topic, _data: None)
+        _drain([*self._begins, *self._ends])
         self._whole = False
 
     def incomplete(self) -> None:
@@ -106,6 +106,17 @@ class Inbox:
         """Give the subscriptions back before the context goes."""
         for subscription in self._subscriptions.values():
             subscription.destroy()
+
+
+def _drain(sources: Iterable[_Source]) -> list[_Taken]:
+    return [
+        (topic, taken) for topic, take, kind in sources for taken in iter(partial(take, kind, True), None)
+    ]
+
+
+def _stamp(message: _Taken) -> int:
+    topic, (data, _) = message
+    return TOPICS[topic].layout.stamp(data)
 
 
 def _subscribe(node: Node, topic: str) -> Subscription[Any]:
