@@ -190,7 +190,8 @@ def test_replay_pauses_steps_and_changes_its_rate(heli, flown):
 def test_a_flight_in_which_everything_was_asked_for_is_repeated(heli):
     (heli.folder / "plan.yaml").write_text(brief("hover: {duration: 20.0}"))
     words = ("--mode", "lockstep", "--name", "b", "--no-report", "--with", "identification")
-    flight = heli.start("fly", "plan.yaml", *words, "--json")
+    # ordinary scheduling: else the flight would be over before a program of that priority has asked
+    flight = heli.start("fly", "plan.yaml", *words, "--json", "--no-real-time-scheduling")
     asking = heli.start_process(sys.executable, "-c", ASKING)
     said, error = asking.communicate(timeout=80)
     assert said == "asked\n", error
