@@ -8,6 +8,7 @@ flies on a cluster of two workers on loopback. The last table says where the tim
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import json
 import os
@@ -81,7 +82,8 @@ def killed(folder: Path, vary: Path, flights: int, *more: str) -> None:
         if journal.exists() and journal.read_text().count("\n") > flights // 2:
             os.kill(process.pid, signal.SIGKILL)
             break
-        time.sleep(0.05)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(0.05)
     process.wait()
 
 

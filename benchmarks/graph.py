@@ -61,10 +61,17 @@ class Watch:
 
     @property
     def shares(self) -> dict[str, float]:
-        """Processor time of each process per control step [ms]."""
+        """Processor time of each process per control step [ms]; empty if the flight was too short."""
+        if len(self.looks) < 2:
+            return {}
         (first, _, before), (last, _, after) = self.looks
         steps = (last - first) * STEPS_PER_SECOND
         return {name: 1e3 * (after[name] - before[name]) / steps for name in after if name in before}
+
+    @property
+    def percent(self) -> dict[str, float]:
+        """The same of a flight in real time [% of a core]."""
+        return {name: round(0.1 * STEPS_PER_SECOND * share, 2) for name, share in self.shares.items()}
 
 
 def _program(words: list[str]) -> str:

@@ -18,7 +18,6 @@ import graph
 from rich.console import Console
 
 from heli_common.rig_geometry import RigGeometry
-from heli_common.timing import CONTROL_PERIOD
 from heli_common.topics import NAVIGATION
 from heli_control.controller_file import load_controller
 from heli_flight.cli.navigation import assess, show
@@ -46,14 +45,13 @@ def update_cost() -> float:
 
 
 def node_shares() -> dict[str, float]:
-    """Share of a core that the node takes in a real-time flight, and what its messages alone take."""
+    """Share of a core [%] that the node takes in a real-time flight, and what its messages alone take."""
     plan, controller = load_plan("short_hover"), load_controller("lq")
     order = FlightOrder(plan, "short_hover", Mode.REALTIME, 1, controller, "lq", Path())
     with tempfile.TemporaryDirectory() as folder:
         flown = graph.flight(order, Mode.REALTIME, Path(folder))
     bare = graph.floor(Mode.REALTIME, scheduled=True)
-    period_ms = 1e3 * CONTROL_PERIOD
-    return {"node": flown.shares[NAVIGATION] / period_ms, "messages": bare.shares[NAVIGATION] / period_ms}
+    return {"node": flown.percent[NAVIGATION], "messages": bare.percent[NAVIGATION]}
 
 
 def fly(seeds: int, folder: Path, console: Console) -> list[FlightRecord]:
@@ -95,7 +93,7 @@ def main() -> None:
     said = Console(highlight=False)
     said.print(f"one update in process: {found['update_us']:.1f} us (median)")
     if options.node:
-        node, messages = (100.0 * found["node_shares"][which] for which in ("node", "messages"))
+        node, messages = (found["node_shares"][which] for which in ("node", "messages"))
         said.print(
             f"the node in real time at 400 Hz: {node:.1f} % of a core, its messages alone {messages:.1f} %"
         )

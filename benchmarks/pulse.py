@@ -10,22 +10,20 @@ import json
 import sys
 from time import perf_counter, sleep
 
-import numpy as np
-
+from heli_bench_sim.nodes.latency import Jitter
 from heli_common.nodes.scheduling import Awake, become_real_time
 from heli_common.timing import CONTROL_PERIOD
+from heli_flight.punctuality import PERIOD, punctuality
 
-QUANTILES = {"median_ms": 0.5, "p99_ms": 0.99, "p99_9_ms": 0.999, "max_ms": 1.0}
 
-
-def lateness(seconds: float) -> list[float]:
-    """By how much later than its deadline each period begins [s]."""
-    found, begun = [], perf_counter() + CONTROL_PERIOD
+def beat(seconds: float) -> Jitter:
+    """By how much later than its deadline each period begins."""
+    jitter, begun = Jitter(), perf_counter() + CONTROL_PERIOD
     for number in range(int(seconds / CONTROL_PERIOD)):
         due = begun + number * CONTROL_PERIOD
         sleep(max(0.0, due - perf_counter()))
-        found.append(perf_counter() - due)
-    return found
+        jitter.began(perf_counter() - due)
+    return jitter
 
 
 def main() -> None:
@@ -33,10 +31,9 @@ def main() -> None:
     seconds, priority = float(sys.argv[1]), int(sys.argv[2])
     become_real_time(priority)
     awake = Awake()
-    late = lateness(seconds)
+    jitter = beat(seconds)
     awake.end()
-    figures = 1e3 * np.quantile(late, list(QUANTILES.values()))
-    sys.stdout.write(json.dumps(dict(zip(QUANTILES, figures.tolist(), strict=True))) + "\n")
+    sys.stdout.write(json.dumps(punctuality(jitter.figures())[PERIOD]) + "\n")
 
 
 if __name__ == "__main__":

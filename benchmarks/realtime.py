@@ -20,9 +20,9 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
+from graph import Watch
 from rich.console import Console
 from rich.table import Table
 
@@ -36,17 +36,13 @@ from heli_flight.flying import fly
 from heli_flight.machine_load import every_core_busy
 from heli_flight.order import FlightOrder, Mode
 from heli_flight.process_table import PROCESSES, environment
-from heli_flight.processor_time import processor_seconds
 from heli_flight.progress import Progress
-from heli_flight.punctuality import PERIOD, punctuality
+from heli_flight.punctuality import PERIOD, punctuality, spoken
 
 LATENCY_BOUND_MS, JITTER_BOUND_MS = 5.0, 1.0
 """What 99.9 % of the commands and of the control periods must stay below with real-time scheduling."""
 
 PULSE, PULSE_SECONDS = Path(__file__).with_name("pulse.py"), 30.0
-
-SETTLED = 10.0
-"""Simulated seconds after which processor time is counted."""
 
 FIGURES = ("median_ms", "p99_ms", "p99_9_ms", "max_ms")
 
@@ -124,26 +120,6 @@ class Found:
         return missed
 
 
-class Shares:
-    """Processor time of the nodes between the first and the last look at the settled flight."""
-
-    def __init__(self) -> None:
-        self._looks: list[tuple[float, dict[str, float]]] = []
-
-    def look(self, progress: Progress) -> None:
-        """Look, if the flight has settled."""
-        if progress.time >= SETTLED and not progress.state.ended:
-            self._looks = [*self._looks[:1], (perf_counter(), processor_seconds())]
-
-    def percent(self) -> dict[str, float]:
-        """By node, of one core; empty if the flight was too short."""
-        if len(self._looks) < 2:
-            return {}
-        (began, before), (ended, after) = self._looks
-        shared = [name for name in after if name in before]
-        return {name: round(100.0 * (after[name] - before[name]) / (ended - began), 2) for name in shared}
-
-
 def bare_jitter(case: Case) -> dict[str, float]:
     """Jitter of a loop that computes nothing [ms]: what the machine itself costs."""
     priority = PROCESSES[0].priority if case.scheduled else 0
@@ -167,13 +143,13 @@ def flown(order: FlightOrder, case: Case, title: str) -> Found:
         SystemExit: no bag was left.
     """
     order = replace(order, mode=Mode.REALTIME, real_time_scheduling=case.scheduled)
-    shares, warnings, machine = Shares(), [], bare_jitter(case)
+    watch, warnings, machine = Watch(), [], bare_jitter(case)
     with every_core_busy(case.loaded), LiveProgress(order.plan.duration, quiet=False) as live:
         live.warn(title)
 
         def tell(progress: Progress) -> None:
             live.show(progress)
-            shares.look(progress)
+            watch.tell(progress)
 
         def warn(text: str) -> None:
             live.warn(text)
@@ -195,7 +171,7 @@ def flown(order: FlightOrder, case: Case, title: str) -> Found:
         lost=sum(count.lost for count in count_check(bag)),
         paused_s=float(remarks.get("paused_s", 0.0)),
         punctuality=punctuality(remarks),
-        shares=shares.percent(),
+        shares=watch.percent,
         machine=machine,
     )
 
@@ -220,8 +196,7 @@ def say(name: str, case: Case, found: Found) -> None:
     for title in ("median", "99 %", "99.9 %", "max"):
         table.add_column(title, justify="right")
     for subject, figures in found.punctuality.items():
-        words = subject.replace("latency_", "sensor to ").replace("_", " ")
-        table.add_row(words, *(f"{figures[each]:.2f}" for each in FIGURES))
+        table.add_row(spoken(subject), *(f"{figures[each]:.2f}" for each in FIGURES))
     table.add_row("bare loop before", *(f"{found.machine[each]:.2f}" for each in FIGURES))
     console.print(table)
     nodes = Table("node", box=None, pad_edge=False)

@@ -177,11 +177,6 @@ class BenchView:
         """(6,) biases of the IMU's next sample [rad/s, m/s^2], FRD."""
         return self._memory[Memory.imu_bias : Memory.end].copy()
 
-    @property
-    def imu_variances(self) -> tuple[float, float]:
-        """Of one sample of a gyro [rad^2/s^2] and of an accelerometer [m^2/s^4]."""
-        return self._imu_variances
-
     def rotor_reading(self) -> float:
         """Rotor speed by the Hall sensor [rad/s], latest sample."""
         return float(self._reading[Reading.rotor_speed])

@@ -15,6 +15,11 @@ _KEY = re.compile(rf"(latency_\w+|{PERIOD})_ms")
 _FIGURE = re.compile(r"(median|99 %|99\.9 %|max) (\d+\.\d+)")
 
 
+def spoken(subject: str) -> str:
+    """A key of `punctuality` for people: `sensor to servo command`."""
+    return subject.replace("latency_", "sensor to ").replace("_", " ")
+
+
 def punctuality(remarks: Mapping[str, str]) -> dict[str, dict[str, float]]:
     """Median, quantiles and maximum [ms] of `latency_TOPIC`, from sample to command, and of `period_jitter`.
 

@@ -24,7 +24,7 @@ from heli_flight.flying import fly
 from heli_flight.metrics import flight_metrics
 from heli_flight.order import FlightEnd, FlightOrder, Mode
 from heli_flight.process_table import NODE_NAMES
-from heli_flight.punctuality import FIGURES, punctuality
+from heli_flight.punctuality import FIGURES, punctuality, spoken
 
 WORDS = {
     EXIT_FLOWN: "flown",
@@ -203,9 +203,8 @@ def _print(result: dict[str, Any]) -> None:
         say(f", the bench itself was kept from running for {result['paused_s']:.3f} s")
     say("\n")
     for key, figures in result["punctuality"].items():
-        subject = key.replace("latency_", "sensor to ").replace("_", " ")
         said = ", ".join(f"{word} {figures[name]:.2f}" for word, name in FIGURES.items() if name in figures)
-        say(f"{subject} {said} ms\n")
+        say(f"{spoken(key)} {said} ms\n")
     say(f"bag {result['bag']}\n")
     if result["report"]:
         say(f"report {result['report']}\n")
