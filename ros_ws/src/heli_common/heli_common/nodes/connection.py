@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from time import monotonic
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from std_msgs.msg import String
 
 from heli_common.component import Message
@@ -57,8 +59,9 @@ class Connection:
             topic: node.create_publisher(message_class(layout.ros_type), topic, DATA)
             for topic, layout in layouts.items()
         }
-        self._ways_out = {
-            topic: (publisher.publish, layouts[topic].pack) for topic, publisher in self._publishers.items()
+        self._pack = {topic: layout.pack for topic, layout in layouts.items()}
+        self._send: dict[str, Callable[[bytes], None]] = {
+            topic: publisher.publish for topic, publisher in self._publishers.items()
         }
         self.inbox = Inbox(node, inputs, waking)
         self._inputs = tuple(inputs)
@@ -138,12 +141,19 @@ class Connection:
         """Send messages of this node's output topics."""
         self._sent = True
         for topic, stamp_ns, values in messages:
-            publish, pack = self._ways_out[topic]
-            publish(pack(stamp_ns, values))
+            self._send[topic](self._pack[topic](stamp_ns, values))
 
     def publish_serialized(self, topic: str, data: bytes) -> None:
         """Send a message that is serialized already."""
-        self._publishers[topic].publish(data)
+        self._send[topic](data)
+
+    def publisher(self, topic: str) -> Publisher[Any]:
+        """The publisher of an output topic."""
+        return self._publishers[topic]
+
+    def divert(self, topic: str, send: Callable[[bytes], None]) -> None:
+        """From now on give serialized messages of an output topic to `send`, not to its publisher."""
+        self._send[topic] = send
 
     def diagnose(
         self, stamp_ns: int, level: str, text: str, values: Mapping[str, object] | None = None

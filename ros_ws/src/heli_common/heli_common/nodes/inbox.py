@@ -58,6 +58,20 @@ class Inbox:
         self._last = [self._subscriptions[topic].handle for topic, _, _ in self._ends]
         self._any = [each.handle for each in self._subscriptions.values()] if self._ends else []
         self._whole = False
+        self._left: list[_Source] = []
+
+    def full_name(self, topic: str) -> str:
+        """Name of a topic with its namespace, after remapping."""
+        return str(self._subscriptions[topic].topic_name)
+
+    def leave(self, topic: str) -> None:
+        """Take no more messages of a topic from the middleware: they come by another way."""
+        self._left += [source for source in (*self._begins, *self._ends) if source[0] == topic]
+        self._begins = [source for source in self._begins if source[0] != topic]
+        self._ends = [source for source in self._ends if source[0] != topic]
+        left = self._subscriptions[topic].handle
+        self._last = [handle for handle in self._last if handle is not left]
+        self._any = [handle for handle in self._any if handle is not left]
 
     def publisher_count(self, topic: str) -> int:
         """How many publishers the middleware has matched with the subscription."""
@@ -96,7 +110,12 @@ class Inbox:
     def discard(self) -> None:
         """Forget everything that has arrived."""
         _drain([*self._begins, *self._ends])
+        self.discard_left()
         self._whole = False
+
+    def discard_left(self) -> None:
+        """Forget what has arrived on topics that were left."""
+        _drain(self._left)
 
     def incomplete(self) -> None:
         """The last burst led to nothing, or none came: what is missing may come on any topic."""

@@ -14,6 +14,9 @@ from heli_common.nodes.program import Program
 
 WIRING_SECONDS = 0.01
 
+FAILURES = (InputError, SafetyStop, TimeoutError, ValueError, ArithmeticError, OSError)
+"""What may go wrong in a program and ends it with one line; anything else is a mistake in the program."""
+
 Result = TypeVar("Result")
 
 
@@ -57,6 +60,11 @@ class NodeRun:
         """Hand over every message that has arrived; returns how many."""
         return self._guarded(lambda: self.connection.take(self.program.on_message), 0)
 
+    def fail(self, error: Exception) -> None:
+        """The program stops, for one of `FAILURES`."""
+        self.failure = str(error)
+        self.code = EXIT_BAD_INPUT if isinstance(error, InputError) else EXIT_SAFETY_STOP
+
     def tell_failure(self) -> None:
         """Say on standard error and on `diagnostics` why the program stopped."""
         if self.failure:
@@ -78,8 +86,6 @@ class NodeRun:
             return otherwise
         try:
             return act()
-        except InputError as error:
-            self.failure, self.code = str(error), EXIT_BAD_INPUT
-        except (SafetyStop, TimeoutError, ValueError, ArithmeticError, OSError) as error:
-            self.failure, self.code = str(error), EXIT_SAFETY_STOP
+        except FAILURES as error:
+            self.fail(error)
         return otherwise

@@ -27,6 +27,7 @@ from rclpy.signals import SignalHandlerOptions  # noqa: E402
 from rclpy.task import Future  # noqa: E402
 
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, InputError  # noqa: E402
+from heli_common.nodes.intra_process import IntraProcess  # noqa: E402
 from heli_common.nodes.node_run import WIRING_SECONDS, NodeRun  # noqa: E402
 from heli_common.nodes.parameters import declare_integer, declare_names  # noqa: E402
 from heli_common.nodes.program import ComponentProgram, Program  # noqa: E402
@@ -63,6 +64,8 @@ def run_node(name: str, build: Build, arguments: list[str] | None = None) -> int
 
 def run_nodes(builds: Mapping[str, tuple[Build, Sequence[str]]]) -> int:
     """Run several nodes in this process, one after the other in one thread, to the end of all.
+
+    They hand each other their messages without the middleware, see `IntraProcess`.
 
     Args:
         builds: of each node by its name: how to build its program, and its ROS arguments.
@@ -111,6 +114,7 @@ class _Loop:
 
     def __init__(self, runs: Sequence[NodeRun]) -> None:
         self._runs = runs
+        self._own = IntraProcess(runs)
         self._awake = [run for run in runs if run.program.waking] or runs
         self._executor = EventsExecutor()
         self._never: Future[None] = Future()
@@ -150,14 +154,17 @@ class _Loop:
         idle, serve_at = True, 0.0
         while not self._over:
             due = monotonic() >= serve_at
-            runs = self._runs if due or idle else self._awake
-            seconds = min(run.turn() for run in runs)
             if due:
                 serve_at = monotonic() + WAIT_SECONDS
                 self._serve(0.0)
-            if idle or len(self._runs) == 1:
+                self._own.look_outside()
+            runs = self._runs if due or idle else self._awake
+            seconds = min(run.turn() for run in runs)
+            if not self._own and (idle or len(self._runs) == 1):
                 self._wait(min(seconds, WAIT_SECONDS))
-            idle = not sum([run.take() for run in runs])
+            delivered = self._own.deliver()
+            taken = sum([run.take() for run in runs])
+            idle = not delivered and not taken
             if idle:
                 for run in self._runs:
                     run.inbox.incomplete()
