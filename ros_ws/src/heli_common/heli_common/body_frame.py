@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from heli_common import layout
+from heli_common import standard_layouts
 from heli_common.layout import Values
 from heli_common.vehicle_state import BODY_FRAME, WORLD_FRAME
 
 TF = "tf"
 """Relative, as every name: in a namespace, tools are told `--ros-args -r /tf:=tf`."""
 
-TRANSFORM = layout.transform(WORLD_FRAME, BODY_FRAME)
+TRANSFORM = standard_layouts.transform(WORLD_FRAME, BODY_FRAME)
 
 SHOWN_PERIOD_NS = 50_000_000
 """Distance of two frames and of two pictures of the rig: enough for eyes."""

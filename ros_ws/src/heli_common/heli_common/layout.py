@@ -8,42 +8,71 @@ the standard message, byte for byte what any ROS 2 node sends (little-endian XCD
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
 Values = NDArray[np.float64]
 
-_ENCAPSULATION = b"\x00\x01\x00\x00"
+ENCAPSULATION = b"\x00\x01\x00\x00"
+"""In front of every message: CDR, little-endian."""
+
 _NANOSECONDS = 1_000_000_000
+_STAMP = struct.Struct("<iI")
 
 
-class _CdrWriter:
-    """Serialized bytes in the making; alignment counts from behind the encapsulation header."""
+class _Codec:
+    """One formatting of bytes to write a message, one `struct` call to read it.
 
-    def __init__(self) -> None:
-        self.data = bytearray()
-        self.number_offsets: list[int] = []
+    Args:
+        template: the serialized message with stamp and numbers zero.
+        stamp_offset: of the stamp.
+        runs: offset, index of the first number and how many, of numbers that stand behind each other.
 
-    def align(self, size: int) -> None:
-        self.data += bytes(-len(self.data) % size)
+    Attributes:
+        runs: offset, first and behind the last number of each.
+    """
 
-    def uint32(self, value: int) -> None:
-        self.align(4)
-        self.data += struct.pack("<I", value)
+    def __init__(self, template: bytes, stamp_offset: int, runs: Sequence[tuple[int, int, int]]) -> None:
+        self.runs = tuple((offset, first, first + count) for offset, first, count in runs)
+        constants, read, end = [template[:stamp_offset]], f"<{stamp_offset}xiI", stamp_offset + _STAMP.size
+        for offset, first, last in self.runs:
+            constants.append(template[end:offset])
+            read += f"{offset - end}x{last - first}d"
+            end = offset + 8 * (last - first)
+        constants.append(template[end:])
+        self._message = b"%b".join(part.replace(b"%", b"%%") for part in constants)
+        self._numbers = struct.Struct(f"<{sum(count for _, _, count in runs)}d").pack
+        self._cut = _cutter([slice(8 * first, 8 * last) for _, first, last in self.runs])
+        self._read = struct.Struct(f"{read}{len(template) - end}x").unpack
+        self._latest: tuple[bytes, tuple[int, tuple[float, ...]]] = (b"", (0, ()))
 
-    def string(self, text: str) -> None:
-        encoded = text.encode() + b"\0"
-        self.uint32(len(encoded))
-        self.data += encoded
+    def pack(self, stamp_ns: int, values: Sequence[float] | Values) -> bytes:
+        """The serialized message."""
+        if isinstance(values, np.ndarray) and values.dtype.char == "d":
+            numbers = values.tobytes()
+        else:
+            numbers = self._numbers(*values)
+        return self._message % (_STAMP.pack(*divmod(stamp_ns, _NANOSECONDS)), *self._cut(numbers))
 
-    def numbers(self, count: int) -> None:
-        self.align(8)
-        start = len(self.data) + len(_ENCAPSULATION)
-        self.number_offsets += range(start, start + 8 * count, 8)
-        self.data += bytes(8 * count)
+    def unpack(self, data: bytes) -> tuple[int, tuple[float, ...]]:
+        """Stamp [ns] and numbers; nodes of one process that are handed the same object read it once."""
+        known, found = self._latest
+        if known is not data:
+            sec, nanosec, *numbers = self._read(data)
+            found = (sec * _NANOSECONDS + nanosec, tuple(numbers))
+            self._latest = (data, found)
+        return found
+
+
+def _cutter(slices: Sequence[slice]) -> Callable[[bytes], tuple[bytes, ...]]:
+    """Gives the slices of all bytes; a single one is the whole."""
+    if len(slices) > 1:
+        return itemgetter(*slices)
+    return lambda numbers: (numbers,) if slices else ()
 
 
 @dataclass(frozen=True)
@@ -63,6 +92,7 @@ class Layout:
     template: bytes
     stamp_offset: int
     offsets: tuple[int, ...]
+    _codec: _Codec = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if len(self.fields) != len(self.offsets):
@@ -76,18 +106,7 @@ class Layout:
                 runs[-1] = (runs[-1][0], runs[-1][1], runs[-1][2] + 1)
             else:
                 runs.append((offset, index, 1))
-        skipped = f"<{self.stamp_offset}xiI"
-        end, plan = self.stamp_offset + 8, []
-        for offset, first, n in runs:
-            skipped += f"{offset - end}x{n}d"
-            plan.append((self.template[end:offset], offset, first, first + n))
-            end = offset + 8 * n
-        rest = len(self.template) - end
-        object.__setattr__(self, "_runs", tuple(plan))
-        object.__setattr__(self, "_ends", (self.template[: self.stamp_offset], self.template[end:]))
-        object.__setattr__(self, "_numbers", struct.Struct(f"<{len(self.fields)}d").pack)
-        object.__setattr__(self, "_unpack", struct.Struct(f"{skipped}{rest}x").unpack)
-        object.__setattr__(self, "_stamp", struct.Struct("<iI"))
+        object.__setattr__(self, "_codec", _Codec(self.template, self.stamp_offset, runs))
 
     @property
     def size(self) -> int:
@@ -106,17 +125,7 @@ class Layout:
         """
         if len(values) != len(self.fields):
             raise ValueError(f"{self.ros_type}: {len(values)} values for {len(self.fields)} fields")
-        if isinstance(values, np.ndarray) and values.dtype.char == "d":
-            numbers = values.tobytes()
-        else:
-            numbers = self._numbers(*values)  # type: ignore[attr-defined]
-        head, tail = self._ends  # type: ignore[attr-defined]
-        parts = [head, self._stamp.pack(*divmod(stamp_ns, _NANOSECONDS))]  # type: ignore[attr-defined]
-        for constant, _, first, last in self._runs:  # type: ignore[attr-defined]
-            parts.append(constant)
-            parts.append(numbers[8 * first : 8 * last])
-        parts.append(tail)
-        return b"".join(parts)
+        return self._codec.pack(stamp_ns, values)
 
     def unpack(self, data: bytes) -> tuple[int, tuple[float, ...]]:
         """Stamp [ns] and numbers of a serialized message of exactly this layout.
@@ -126,8 +135,7 @@ class Layout:
         """
         if len(data) != len(self.template):
             raise ValueError(f"{self.ros_type}: {len(data)} bytes instead of {len(self.template)}")
-        found = self._unpack(data)  # type: ignore[attr-defined]
-        return found[0] * _NANOSECONDS + found[1], found[2:]
+        return self._codec.unpack(data)
 
     def stamp(self, data: bytes) -> int:
         """The stamp alone [ns] of a serialized message.
@@ -137,7 +145,7 @@ class Layout:
         """
         if len(data) != len(self.template):
             raise ValueError(f"{self.ros_type}: {len(data)} bytes instead of {len(self.template)}")
-        seconds, nanoseconds = self._stamp.unpack_from(data, self.stamp_offset)  # type: ignore[attr-defined]
+        seconds, nanoseconds = _STAMP.unpack_from(data, self.stamp_offset)
         return int(seconds * _NANOSECONDS + nanoseconds)
 
     def canonical(self, data: bytes) -> bytes:
@@ -191,118 +199,12 @@ class Layout:
         stamp = rows[:, self.stamp_offset : self.stamp_offset + 8].copy().view("<u4").astype(np.int64)
         stamps = stamp[:, 0].astype(np.int32) * np.int64(_NANOSECONDS) + stamp[:, 1]
         values = np.empty((len(rows), len(self.fields)))
-        for _, offset, first, last in self._runs:  # type: ignore[attr-defined]
+        for offset, first, last in self._codec.runs:
             values[:, first:last] = rows[:, offset : offset + 8 * (last - first)].view("<f8")
         return stamps, values
 
 
 def _constant_spans(layout: Layout) -> list[tuple[int, int]]:
     """Byte spans of a template that hold neither stamp nor numbers nor padding: its nonzero bytes."""
-    nonzero = [index for index, byte in enumerate(layout.template) if byte and index >= len(_ENCAPSULATION)]
+    nonzero = [index for index, byte in enumerate(layout.template) if byte and index >= len(ENCAPSULATION)]
     return [(index, index + 1) for index in nonzero]
-
-
-def _finish(ros_type: str, writer: _CdrWriter, fields: Sequence[str], stamp_offset: int = 4) -> Layout:
-    template = _ENCAPSULATION + bytes(writer.data)
-    return Layout(ros_type, tuple(fields), template, stamp_offset, tuple(writer.number_offsets))
-
-
-def _header(writer: _CdrWriter, frame_id: str) -> None:
-    writer.data += bytes(8)  # stamp: int32 sec, uint32 nanosec
-    writer.string(frame_id)
-
-
-def _indexed(name: str, count: int) -> list[str]:
-    return [f"{name}[{index}]" for index in range(count)]
-
-
-def _xyz(name: str) -> list[str]:
-    return [f"{name}.{axis}" for axis in "xyz"]
-
-
-def _xyzw(name: str) -> list[str]:
-    return [f"{name}.{axis}" for axis in "xyzw"]
-
-
-def clock() -> Layout:
-    """rosgraph_msgs/Clock: a bare stamp."""
-    writer = _CdrWriter()
-    writer.data += bytes(8)
-    return _finish("rosgraph_msgs/msg/Clock", writer, [])
-
-
-def header(frame_id: str) -> Layout:
-    """std_msgs/Header: a stamp, for acknowledgements."""
-    writer = _CdrWriter()
-    _header(writer, frame_id)
-    return _finish("std_msgs/msg/Header", writer, [])
-
-
-def joint_state(frame_id: str, names: Sequence[str]) -> Layout:
-    """sensor_msgs/JointState with position, velocity and effort of every joint, in that order."""
-    writer = _CdrWriter()
-    _header(writer, frame_id)
-    writer.uint32(len(names))
-    for name in names:
-        writer.string(name)
-    for _ in range(3):
-        writer.uint32(len(names))
-        writer.numbers(len(names))
-    fields = [f"{quantity}.{name}" for quantity in ("position", "velocity", "effort") for name in names]
-    return _finish("sensor_msgs/msg/JointState", writer, fields)
-
-
-def pose_stamped(frame_id: str) -> Layout:
-    """geometry_msgs/PoseStamped."""
-    writer = _CdrWriter()
-    _header(writer, frame_id)
-    writer.numbers(7)
-    return _finish("geometry_msgs/msg/PoseStamped", writer, _xyz("position") + _xyzw("orientation"))
-
-
-def twist_stamped(frame_id: str) -> Layout:
-    """geometry_msgs/TwistStamped."""
-    writer = _CdrWriter()
-    _header(writer, frame_id)
-    writer.numbers(6)
-    return _finish("geometry_msgs/msg/TwistStamped", writer, _xyz("linear") + _xyz("angular"))
-
-
-def vector3_stamped(frame_id: str) -> Layout:
-    """geometry_msgs/Vector3Stamped."""
-    writer = _CdrWriter()
-    _header(writer, frame_id)
-    writer.numbers(3)
-    return _finish("geometry_msgs/msg/Vector3Stamped", writer, _xyz("vector"))
-
-
-def imu(frame_id: str) -> Layout:
-    """sensor_msgs/Imu: attitude, angular velocity and specific force, each with covariance."""
-    writer = _CdrWriter()
-    _header(writer, frame_id)
-    writer.numbers(37)
-    fields = _xyzw("orientation") + _indexed("orientation_covariance", 9)
-    for name in ("angular_velocity", "linear_acceleration"):
-        fields += _xyz(name) + _indexed(f"{name}_covariance", 9)
-    return _finish("sensor_msgs/msg/Imu", writer, fields)
-
-
-def odometry(frame_id: str, child_frame_id: str) -> Layout:
-    """nav_msgs/Odometry: pose in `frame_id`, twist in `child_frame_id`, both with covariance."""
-    writer = _CdrWriter()
-    _header(writer, frame_id)
-    writer.string(child_frame_id)
-    writer.numbers(85)
-    pose = _xyz("position") + _xyzw("orientation") + _indexed("pose_covariance", 36)
-    twist = _xyz("linear") + _xyz("angular") + _indexed("twist_covariance", 36)
-    return _finish("nav_msgs/msg/Odometry", writer, pose + twist)
-
-
-def transform(frame_id: str, child_frame_id: str) -> Layout:
-    """tf2_msgs/TFMessage with the one transform that takes points of the child frame to the frame."""
-    writer = _CdrWriter()
-    writer.uint32(1)
-    _header(writer, frame_id)
-    writer.string(child_frame_id)
-    writer.numbers(7)
-    return _finish("tf2_msgs/msg/TFMessage", writer, _xyz("translation") + _xyzw("rotation"), 8)

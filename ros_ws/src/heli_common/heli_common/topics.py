@@ -9,9 +9,18 @@ from __future__ import annotations
 from collections.abc import Container
 from dataclasses import dataclass
 
-from heli_common import layout
 from heli_common.layout import Layout
 from heli_common.rig_geometry import ENCODER_NAMES
+from heli_common.standard_layouts import (
+    clock,
+    header,
+    imu,
+    joint_state,
+    odometry,
+    pose_stamped,
+    twist_stamped,
+    vector3_stamped,
+)
 from heli_common.timing import CONTROL_PERIOD_NS, ESTIMATE_PERIOD_NS, SENSOR_PERIOD_NS
 from heli_common.vehicle_state import BODY_FRAME, HEADING_FRAME, IMU_FRAME, WORLD_FRAME
 
@@ -72,32 +81,32 @@ class Topic:
 
 
 def _joints(*names: str) -> Layout:
-    return layout.joint_state(RIG_FRAME, names)
+    return joint_state(RIG_FRAME, names)
 
 
 _TABLE = (
     Topic("encoders", _joints(*ENCODER_NAMES), SENSOR_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
-    Topic("imu", layout.imu(IMU_FRAME), SENSOR_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
+    Topic("imu", imu(IMU_FRAME), SENSOR_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
     Topic("rotor", _joints("rotor"), CONTROL_PERIOD_NS, BENCH_SIM, (NAVIGATION,)),
     Topic("actuator_state", _joints(*SERVO_CHANNELS, "motor"), CONTROL_PERIOD_NS, BENCH_SIM),
-    Topic("ground_truth", layout.odometry(WORLD_FRAME, BODY_FRAME), CONTROL_PERIOD_NS, BENCH_SIM),
-    Topic("wind", layout.vector3_stamped(WORLD_FRAME), CONTROL_PERIOD_NS, BENCH_SIM),
+    Topic("ground_truth", odometry(WORLD_FRAME, BODY_FRAME), CONTROL_PERIOD_NS, BENCH_SIM),
+    Topic("wind", vector3_stamped(WORLD_FRAME), CONTROL_PERIOD_NS, BENCH_SIM),
     Topic(
         "bench_condition",
         _joints(*BENCH_CONDITION),
         CONTROL_PERIOD_NS,
         BENCH_SIM,
     ),
-    Topic("clock", layout.clock(), CONTROL_PERIOD_NS, BENCH_SIM, hashed=False),
+    Topic("clock", clock(), CONTROL_PERIOD_NS, BENCH_SIM, hashed=False),
     Topic(
         "odometry",
-        layout.odometry(WORLD_FRAME, BODY_FRAME),
+        odometry(WORLD_FRAME, BODY_FRAME),
         CONTROL_PERIOD_NS,
         NAVIGATION,
         (SUPERVISOR, POSITION_CONTROLLER, ATTITUDE_CONTROLLER, IDENTIFICATION),
     ),
-    Topic("odometry_imu", layout.odometry(WORLD_FRAME, BODY_FRAME), SENSOR_PERIOD_NS, NAVIGATION),
-    Topic("imu_attitude", layout.imu(IMU_FRAME), CONTROL_PERIOD_NS, NAVIGATION),
+    Topic("odometry_imu", odometry(WORLD_FRAME, BODY_FRAME), SENSOR_PERIOD_NS, NAVIGATION),
+    Topic("imu_attitude", imu(IMU_FRAME), CONTROL_PERIOD_NS, NAVIGATION),
     Topic("imu_bias", _joints(*IMU_AXES), CONTROL_PERIOD_NS, NAVIGATION),
     Topic("rotor_state", _joints("rotor"), CONTROL_PERIOD_NS, NAVIGATION, (SUPERVISOR, MOTOR_CONTROLLER)),
     Topic(
@@ -109,14 +118,14 @@ _TABLE = (
     ),
     Topic(
         "reference",
-        layout.pose_stamped(WORLD_FRAME),
+        pose_stamped(WORLD_FRAME),
         CONTROL_PERIOD_NS,
         SUPERVISOR,
         (POSITION_CONTROLLER, IDENTIFICATION),
     ),
     Topic(
         "velocity_reference",
-        layout.twist_stamped(HEADING_FRAME),
+        twist_stamped(HEADING_FRAME),
         CONTROL_PERIOD_NS,
         POSITION_CONTROLLER,
         (ATTITUDE_CONTROLLER,),
@@ -132,14 +141,21 @@ _TABLE = (
     Topic("excitation", _joints(*SERVO_CHANNELS), CONTROL_PERIOD_NS, IDENTIFICATION, (BENCH_SIM,)),
     Topic(
         "reference_excitation",
-        layout.twist_stamped(HEADING_FRAME),
+        twist_stamped(HEADING_FRAME),
         CONTROL_PERIOD_NS,
         IDENTIFICATION,
         (POSITION_CONTROLLER,),
     ),
     Topic("motor_excitation", _joints("motor"), CONTROL_PERIOD_NS, IDENTIFICATION, (BENCH_SIM,)),
     Topic("estimate", _joints(*ESTIMATED), ESTIMATE_PERIOD_NS, IDENTIFICATION),
-    Topic("recorder_ack", layout.header(RIG_FRAME), CONTROL_PERIOD_NS, RECORDER, (BENCH_SIM,), hashed=False),
+    Topic(
+        "recorder_ack",
+        header(RIG_FRAME),
+        CONTROL_PERIOD_NS,
+        RECORDER,
+        (BENCH_SIM,),
+        hashed=False,
+    ),
 )
 
 TOPICS: dict[str, Topic] = {topic.name: topic for topic in _TABLE}

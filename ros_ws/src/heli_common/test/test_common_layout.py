@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from heli_common import layout
+from heli_common import standard_layouts
 from heli_common.nodes.messages import message_class
 from heli_common.topics import DATA_TOPICS, RECORDER, TOPICS, listeners
 
@@ -86,7 +86,7 @@ def test_round_trip_is_exact(topic, data, stamp_ns):
 
 
 def test_joint_state_by_hand():
-    described = layout.joint_state("r", ["a"])
+    described = standard_layouts.joint_state("r", ["a"])
     wire = described.pack(1_500_000_000, [1.0, 2.0, 3.0])
     by_hand = struct.pack(
         "<4xiI I2s2x I I2s2x Id I4xd I4xd", 1, 500_000_000, 2, b"r", 1, 2, b"a", 1, 1.0, 1, 2.0, 1, 3.0
@@ -113,13 +113,13 @@ def test_a_message_of_another_shape_is_refused():
         described.unpack(TOPICS["motor_command"].layout.pack(0, [0.0] * 3))
     with pytest.raises(ValueError, match="3 values for 12 fields"):
         described.pack(0, [0.0] * 3)
-    renamed = layout.joint_state("rig", ["B_1x", "A_1s", "theta_0", "theta_t"])
+    renamed = standard_layouts.joint_state("rig", ["B_1x", "A_1s", "theta_0", "theta_t"])
     with pytest.raises(ValueError, match="names, frames or lengths"):
         described.canonical(renamed.pack(0, [0.0] * 12))
 
 
 def test_padding_does_not_count():
-    described = layout.joint_state("rig", ["motor"])
+    described = standard_layouts.joint_state("rig", ["motor"])
     wire = bytearray(described.pack(5, [1.0, 2.0, 3.0]))
     padding = 4 + 8 + 4 + len("rig\0") + 4 + 4 + len("motor\0")
     assert wire[padding] == 0
@@ -146,4 +146,4 @@ def test_topic_table_is_consistent():
 
 def test_a_size_the_middleware_would_pad_is_refused():
     with pytest.raises(ValueError, match="no multiple of four"):
-        layout.header("recorder")
+        standard_layouts.header("recorder")
