@@ -183,6 +183,7 @@ class ImuAttitude:
         self._alignment = constants.alignment
         self.lost = 0
         self.skipped = 0
+        self._known = False
         self._memory = np.zeros(AttitudeMemory.end)
         for axis in range(3):
             self._memory[cell(3 + axis, 3 + axis)] = constants.gyro_bias
@@ -214,6 +215,7 @@ class ImuAttitude:
             memory[cell(row, row)] = self._alignment
         memory[AttitudeMemory.velocity : AttitudeMemory.still_count] = 0.0
         memory[AttitudeMemory.known] = 1.0
+        self._known = True
 
     def step(self, gyro: Sequence[float], accelerometer: Sequence[float], valid: bool = True) -> None:
         """Go on by one sample of 2.5 ms; call it once for every sample, lost ones included.
@@ -226,18 +228,19 @@ class ImuAttitude:
         Raises:
             ValueError: a valid reading that is not finite or far beyond any range; the filter is as it was.
         """
-        known = self.known
+        known = self._known
         (p, q, r), (x, y, z) = gyro, accelerometer
         if not attitude_step(self._memory, p, q, r, x, y, z, valid, self._box):
             told = f"gyro {tuple(gyro)!r}, accelerometer {tuple(accelerometer)!r}"
             raise ValueError(f"{told} (allowed: finite, together up to {LARGEST:g})")
         self.skipped += not valid
-        self.lost += known and not self.known
+        self._known = bool(self._memory[AttitudeMemory.known])
+        self.lost += known and not self._known
 
     @property
     def known(self) -> bool:
         """Whether there is an attitude."""
-        return bool(self._memory[AttitudeMemory.known] > 0.5)
+        return self._known
 
     @property
     def message(self) -> Array:

@@ -57,8 +57,8 @@ class StampJoin:
     """
 
     def __init__(self, topics: Sequence[str], optional: Sequence[str] = ()) -> None:
-        self._needed, self._optional = tuple(topics), tuple(optional)
-        self._topics = (*self._needed, *self._optional)
+        self._topics = (*topics, *optional)
+        self._needed, self._all = frozenset(topics), frozenset(self._topics)
         self._missed = 0
         self._waiting: dict[int, dict[str, Sequence[float]]] = {}
         self.stamp_ns = -1
@@ -74,12 +74,12 @@ class StampJoin:
             raise ValueError(f"topic {topic!r} is none of {self._topics}")
         entry = self._waiting.setdefault(stamp_ns, {})
         entry[topic] = values
-        if not self._has(entry, self._needed):
+        if not entry.keys() >= self._needed:
             return None
-        if self._has(entry, self._optional):
+        if entry.keys() >= self._all:
             self._missed = 0
         elif self._missed < PATIENCE:
-            older = [s for s, e in self._waiting.items() if s < stamp_ns and self._has(e, self._needed)]
+            older = [s for s, e in self._waiting.items() if s < stamp_ns and e.keys() >= self._needed]
             if not older:
                 return None
             self._missed += 1
@@ -87,13 +87,11 @@ class StampJoin:
                 stamp_ns = max(older)
         return self._take(stamp_ns)
 
-    @staticmethod
-    def _has(entry: dict[str, Sequence[float]], topics: tuple[str, ...]) -> bool:
-        return all(topic in entry for topic in topics)
-
     def _take(self, stamp_ns: int) -> dict[str, Sequence[float]]:
         self.stamp_ns = stamp_ns
         entry = self._waiting.pop(stamp_ns)
+        if not self._waiting:
+            return entry
         stale = [stamp for stamp in self._waiting if stamp < stamp_ns]
         for stamp in stale:
             del self._waiting[stamp]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
+from functools import cached_property
 
 
 class FlightState(IntEnum):
@@ -17,20 +18,23 @@ class FlightState(IntEnum):
     STOPPED = 6
     FAULT = 7
 
-    @property
+    @cached_property
     def word(self) -> str:
         """Lower-case name for people."""
         return self.name.lower().replace("_", "-")
 
-    @property
+    @cached_property
     def ended(self) -> bool:
         """Whether the flight is over: the recorder closes its bag and the bench exits."""
         return self in (FlightState.STOPPED, FlightState.FAULT)
 
-    @property
+    @cached_property
     def controlled(self) -> bool:
         """Whether position and attitude controllers steer the helicopter."""
         return self in (FlightState.FLYING, FlightState.LANDING)
+
+
+_STATES = tuple(FlightState)
 
 
 def flight_state_from_code(code: float) -> FlightState:
@@ -39,10 +43,9 @@ def flight_state_from_code(code: float) -> FlightState:
     Raises:
         ValueError: no such code.
     """
-    try:
-        return FlightState(round(code))
-    except (ValueError, OverflowError):
-        raise ValueError(f"flight state code {code!r} is none of 0 .. {len(FlightState) - 1}") from None
+    if -0.5 <= code < len(_STATES) - 0.5:
+        return _STATES[round(code)]
+    raise ValueError(f"flight state code {code!r} is none of 0 .. {len(_STATES) - 1}")
 
 
 def flight_state_values(

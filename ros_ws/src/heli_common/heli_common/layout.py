@@ -62,8 +62,8 @@ class _Codec:
         """Stamp [ns] and numbers; nodes of one process that are handed the same object read it once."""
         known, found = self._latest
         if known is not data:
-            sec, nanosec, *numbers = self._read(data)
-            found = (sec * _NANOSECONDS + nanosec, tuple(numbers))
+            parts = self._read(data)
+            found = (parts[0] * _NANOSECONDS + parts[1], parts[2:])
             self._latest = (data, found)
         return found
 

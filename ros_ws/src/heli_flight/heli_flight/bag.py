@@ -12,7 +12,7 @@ import contextlib
 import functools
 import itertools
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -166,16 +166,32 @@ class BagWriter:
             ValueError: the topic was not announced.
             OSError: the bag cannot be written any more; said once, what comes later is dropped.
         """
+        self.write_all({topic: ((stamp_ns,), (data,))})
+
+    def write_all(self, messages: Mapping[str, tuple[Sequence[int], Sequence[bytes]]]) -> None:
+        """Append serialized messages of several topics, which are flushed together or not at all.
+
+        Args:
+            messages: by topic as given to `add_topic`, stamps [ns] and as many messages, at least one.
+
+        Raises:
+            ValueError, OSError: as `write`.
+        """
         if not self._open:
             return
-        track = self._topics.get(topic)
-        if track is None:
-            raise ValueError(f"topic {topic!r} was not announced")
-        track.stamps.append(stamp_ns)
-        track.waiting.append(data)
-        self._waiting += 1
-        if stamp_ns < self._next_flush and self._waiting < MOST_WAITING:
-            return
+        newest = 0
+        for topic, (stamps, data) in messages.items():
+            track = self._topics.get(topic)
+            if track is None:
+                raise ValueError(f"topic {topic!r} was not announced")
+            track.stamps += stamps
+            track.waiting += data
+            self._waiting += len(stamps)
+            newest = max(newest, stamps[-1])
+        if newest >= self._next_flush or self._waiting >= MOST_WAITING:
+            self._flush_or_end(newest)
+
+    def _flush_or_end(self, stamp_ns: int) -> None:
         try:
             self._flush(stamp_ns)
         except OSError as error:

@@ -26,6 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -61,6 +62,12 @@ def qos_profile(depth: int, transient_local: bool) -> dict[str, Any]:
     }
 
 
+class Unchanging(dict[str, Any]):
+    """A mapping that stays as it is from its first dump on, so that later ones need not look into it."""
+
+    node: yaml.Node | None = None
+
+
 @dataclass
 class RecordedTopic:
     """A topic in the making of a bag.
@@ -93,6 +100,17 @@ class RecordedTopic:
     stamps: list[int] = field(default_factory=list, repr=False)
     waiting: list[bytes] = field(default_factory=list, repr=False)
 
+    @cached_property
+    def description(self) -> Unchanging:
+        """What `topic_metadata` says of it."""
+        return Unchanging(
+            name=self.name,
+            type=self.ros_type,
+            serialization_format="cdr",
+            offered_qos_profiles=[self.qos],
+            type_description_hash=self.type_hash,
+        )
+
     def count_in(self, stamps: NDArray[np.int64]) -> None:
         """Count messages with the next stamps [ns], and what is missing between them."""
         self.count += len(stamps)
@@ -111,12 +129,30 @@ class _Dumper(yaml.CSafeDumper if yaml.__with_libyaml__ else yaml.SafeDumper):  
         """Every profile is written in full: other readers know no anchors."""
         return True
 
+    def resolve(self, kind: type[yaml.Node], value: Any, implicit: Any) -> Any:
+        """Tag of a node; most texts are the same each time that metadata are renewed."""
+        if kind is yaml.ScalarNode:
+            return _scalar_tag(value, implicit)
+        return super().resolve(kind, value, implicit)
+
+
+@lru_cache(1024)
+def _scalar_tag(value: str, implicit: tuple[bool, bool]) -> str:
+    return str(yaml.resolver.Resolver().resolve(yaml.ScalarNode, value, implicit))  # type: ignore[no-untyped-call]
+
 
 def _represent_text(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style="|" if "\n" in text else None)
 
 
+def _represent_unchanging(dumper: yaml.SafeDumper, mapping: Unchanging) -> yaml.Node:
+    if mapping.node is None:
+        mapping.node = dumper.represent_dict(mapping)
+    return mapping.node
+
+
 _Dumper.add_representer(str, _represent_text)
+_Dumper.add_representer(Unchanging, _represent_unchanging)
 
 
 def dump_yaml(document: object) -> str:
@@ -154,17 +190,7 @@ def bag_information(
         "starting_time": start,
         "message_count": count,
         "topics_with_message_count": [
-            {
-                "topic_metadata": {
-                    "name": topic.name,
-                    "type": topic.ros_type,
-                    "serialization_format": "cdr",
-                    "offered_qos_profiles": [topic.qos],
-                    "type_description_hash": topic.type_hash,
-                },
-                "message_count": topic.count,
-            }
-            for topic in listed
+            {"topic_metadata": topic.description, "message_count": topic.count} for topic in listed
         ],
         "compression_format": "zstd" if packed else "",
         "compression_mode": "FILE" if packed else "",

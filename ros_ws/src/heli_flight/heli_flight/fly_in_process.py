@@ -15,6 +15,7 @@ from heli_flight.in_process import InProcessGraph
 from heli_flight.order import FlightEnd, FlightOrder
 from heli_flight.parameter_file import read_parameters
 from heli_flight.progress import Progress
+from heli_flight.recorder import ACKNOWLEDGE_NS, FlightRecorder
 
 PROGRESS_NS = 500_000_000
 
@@ -34,10 +35,11 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
     recorded = data_topics(order.running)
     for topic in recorded:
         bag.add_topic(topic, TOPICS[topic].layout.ros_type)
+    recorder = FlightRecorder(bag, recorded)
 
-    def record(topic: str, stamp_ns: int, data: bytes) -> None:
+    def record(topic: str, _stamp_ns: int, data: bytes) -> None:
         if topic in recorded:
-            bag.write(topic, stamp_ns, data)
+            recorder.receive(topic, data)
 
     flown = controllers(order.controller, values, order.later, order.motor, order.identified)
     parts = [leader, *flown]
@@ -48,6 +50,8 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
     try:
         while bench.ended_at is None:
             graph.advance()
+            if bench.stamp_ns % ACKNOWLEDGE_NS == 0:
+                recorder.settle()
             if bench.stamp_ns % PROGRESS_NS == 0:
                 seconds = bench.stamp_ns * 1e-9
                 tell(Progress(seconds, leader.state, leader.phase, len(order.plan.phases), leader.reason))
@@ -60,7 +64,7 @@ def fly_in_process(order: FlightOrder, tell: Callable[[Progress], None]) -> Flig
         code, reason = EXIT_INTERRUPTED, "interrupted"
     finally:
         try:
-            bag.close(bench.remarks() | ({"result": reason} if reason else {}))
+            recorder.close(bench.remarks() | ({"result": reason} if reason else {}))
         except OSError as error:
             code, reason = EXIT_SAFETY_STOP, str(error)
     simulated = max(bench.stamp_ns, -SENSOR_PERIOD_NS) * 1e-9

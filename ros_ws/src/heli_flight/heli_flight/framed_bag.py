@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from heli_common.body_frame import TF, TRANSFORM, is_shown, transform_message
@@ -21,8 +21,11 @@ class FramedBagWriter(BagWriter):
         super().__init__(folder, custom_data, storage)
         self.add_topic(TF, TRANSFORM.ros_type)
 
-    def write(self, topic: str, stamp_ns: int, data: bytes) -> None:
-        """Append a serialized message, and the frame if it is due; as `BagWriter.write`."""
-        super().write(topic, stamp_ns, data)
-        if topic == _TRUTH.name and is_shown(stamp_ns):
-            super().write(TF, stamp_ns, transform_message(stamp_ns, _TRUTH.layout.unpack(data)[1]))
+    def write_all(self, messages: Mapping[str, tuple[Sequence[int], Sequence[bytes]]]) -> None:
+        """Append serialized messages, and the frames that are due; as `BagWriter.write_all`."""
+        stamps, truths = messages.get(_TRUTH.name, ((), ()))
+        shown = [(stamp, truth) for stamp, truth in zip(stamps, truths, strict=True) if is_shown(stamp)]
+        if shown:
+            frames = [transform_message(stamp, _TRUTH.layout.unpack(truth)[1]) for stamp, truth in shown]
+            messages = {**messages, TF: ([stamp for stamp, _ in shown], frames)}
+        super().write_all(messages)

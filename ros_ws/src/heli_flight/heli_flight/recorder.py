@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from operator import itemgetter
 
 from heli_common.flight_state import flight_state_from_code
 from heli_common.timing import CONTROL_PERIOD_NS
@@ -12,8 +11,6 @@ from heli_flight.bag import BagWriter
 
 ACKNOWLEDGE_NS = 100_000_000
 """An acknowledgement is due each time the bag is complete for so much longer."""
-
-_stamp = itemgetter(0)
 
 
 class FlightRecorder:
@@ -35,7 +32,6 @@ class FlightRecorder:
         self.ended_at: int | None = None
         self._bag = bag
         self._tracks = {topic: _Track(topic) for topic in topics}
-        self._held: list[tuple[int, str, bytes]] = []
         self._state_layout = TOPICS["flight_state"].layout
         self._acknowledged_ns = -1
 
@@ -65,7 +61,6 @@ class FlightRecorder:
         """
         for topic, track in self._tracks.items():
             arrived = track.read()
-            self._held += [(stamp_ns, topic, data) for stamp_ns, data in arrived]
             if topic == "flight_state":
                 self._look_for_end(arrived)
         if "flight_state" in self._tracks:
@@ -84,30 +79,36 @@ class FlightRecorder:
         self._release(2**62)
         self._bag.close(remarks)
 
-    def _look_for_end(self, states: list[tuple[int, bytes]]) -> None:
-        for stamp_ns, data in states:
-            if self.ended_at is None and flight_state_from_code(self._state_layout.unpack(data)[1][0]).ended:
+    def _look_for_end(self, states: list[bytes]) -> None:
+        for data in states:
+            stamp_ns, values = self._state_layout.unpack(data)
+            if self.ended_at is None and flight_state_from_code(values[0]).ended:
                 self.ended_at = stamp_ns
 
     def _release(self, until_ns: int) -> None:
-        """Write what is held up to a stamp in order of stamps, but nothing after the end of the flight.
+        """Write what is held up to a stamp, but nothing after the end of the flight.
 
-        In that order a flush of the bag, which may come with any message, leaves out nothing older.
+        All topics together, so that a flush of the bag leaves out nothing older.
         """
         end = until_ns if self.ended_at is None else min(until_ns, self.ended_at)
-        self._held.sort(key=_stamp)
-        count = bisect_right(self._held, end, key=_stamp)
-        for stamp_ns, topic, data in self._held[:count]:
-            self._bag.write(topic, stamp_ns, data)
-        del self._held[:count]
+        released = {topic: track.release(end) for topic, track in self._tracks.items()}
+        if released := {topic: messages for topic, messages in released.items() if messages[0]}:
+            self._bag.write_all(released)
 
 
 class _Track:
-    """What has come of one topic and has not been looked at, and how far the topic is."""
+    """What has come of one topic and is not written, and how far the topic is.
+
+    Attributes:
+        arrived: messages that have not been looked at.
+        last: newest stamp seen [ns], -1 before the first.
+    """
 
     def __init__(self, topic: str) -> None:
-        self.arrived: list[bytes] = []
         self.last = -1
+        self.arrived: list[bytes] = []
+        self._stamps: list[int] = []
+        self._held: list[bytes] = []
         self._stamp = TOPICS[topic].layout.stamp
         # a slow topic says nothing of the time until its next message
         self._until_next = max(0, TOPICS[topic].period_ns - CONTROL_PERIOD_NS)
@@ -117,10 +118,18 @@ class _Track:
         """Stamp up to which the topic has arrived [ns]."""
         return self.last + (self._until_next if self.last >= 0 else 0)
 
-    def read(self) -> list[tuple[int, bytes]]:
-        """What has arrived since the last look, with its stamps."""
-        found = [(self._stamp(data), data) for data in self.arrived]
-        self.arrived = []
+    def read(self) -> list[bytes]:
+        """What has arrived since the last look."""
+        found, self.arrived = self.arrived, []
         if found:
-            self.last = found[-1][0]
+            self._stamps += map(self._stamp, found)
+            self._held += found
+            self.last = self._stamps[-1]
         return found
+
+    def release(self, until_ns: int) -> tuple[list[int], list[bytes]]:
+        """Stamps and messages up to a stamp [ns], held no longer."""
+        count = bisect_right(self._stamps, until_ns)
+        released = self._stamps[:count], self._held[:count]
+        del self._stamps[:count], self._held[:count]
+        return released
