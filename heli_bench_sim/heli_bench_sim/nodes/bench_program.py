@@ -80,7 +80,8 @@ class BenchProgram:
         if topic == "recorder_ack":
             self._acknowledged_ns = max(self._acknowledged_ns, stamp_ns)
         else:
-            self._latency.arrived(topic, stamp_ns)
+            if self._mode == REALTIME:
+                self._latency.arrived(topic, stamp_ns)
             self.simulator.receive(topic, stamp_ns, values)
         if self._mode == LOCKSTEP and self._flying:
             self._advance_lockstep()
@@ -182,7 +183,7 @@ class BenchProgram:
         self._connection.publish(messages)
         if self._show is not None:
             self._show(self.simulator.stamp_ns, messages)
-        if is_control_tick(self.simulator.stamp_ns):
+        if self._mode == REALTIME and is_control_tick(self.simulator.stamp_ns):
             self._latency.published(self.simulator.stamp_ns)
         left = len(self.simulator.left_regime)
         if self.simulator.stamp_ns % STATUS_PERIOD_NS == 0 or left > self._left_regime:

@@ -7,7 +7,7 @@ body forward-left-up. Origin of both is the centre of the flight space.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import sqrt
+from math import nan, sqrt
 from typing import NamedTuple
 
 from heli_common.rotations import (
@@ -115,13 +115,27 @@ def odometry_values(
 def state_from_odometry(values: Sequence[float]) -> VehicleState:
     """The state in NED/FRD from the numbers of an Odometry in ENU/FLU.
 
+    Nodes of one process that are handed the same tuple work it out once.
+
     Raises:
         ValueError: the quaternion is zero or not finite.
     """
+    if values is _Latest.values:
+        return _Latest.state
     position, attitude = pose_from_values(values)
     velocity = swap_body((values[43], values[44], values[45]))
     rates = swap_body((values[46], values[47], values[48]))
-    return VehicleState(position, attitude, velocity, rates, values[7] < 0.5 * UNKNOWN_VARIANCE)
+    state = VehicleState(position, attitude, velocity, rates, values[7] < 0.5 * UNKNOWN_VARIANCE)
+    if isinstance(values, tuple):  # what cannot change
+        _Latest.values, _Latest.state = values, state
+    return state
+
+
+class _Latest:
+    """The odometry that was read last; none at first."""
+
+    values: tuple[float, ...] = (nan,)
+    state = NOWHERE
 
 
 def twist_values(linear: Vector3, angular: Vector3) -> tuple[float, ...]:

@@ -143,3 +143,15 @@ def test_nose_straight_up_keeps_the_matrix(theta):
 def test_no_rotation_is_refused(parts):
     with pytest.raises(ValueError, match="no rotation"):
         euler_from_quaternion(Quaternion(*parts))
+
+
+def test_an_odometry_that_is_read_again_means_the_same_and_a_changed_one_does_not():
+    north = VehicleState((1.0, 0.0, 0.0), Euler(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    values = odometry_values(north, (1e-4,) * 6, (1e-4,) * 6)
+    assert state_from_odometry(values) == state_from_odometry(values) == state_from_odometry((*values,))
+    changing = list(values)
+    assert state_from_odometry(changing).position[0] == 1.0
+    changing[1] = 2.0
+    assert state_from_odometry(changing).position[0] == 2.0
+    with pytest.raises(IndexError):
+        state_from_odometry(())

@@ -13,7 +13,7 @@
 | counts, losses | JSON objects, written by `BagWriter` itself and renewed with the metadata |
 | jitter | real time: JSON object, per topic rms and largest deviation of the time between two arrivals [ms] |
 | late_TOPIC | how many commands of a topic came too late |
-| latency_TOPIC_ms | median, quantiles and maximum from a sample to the command of its stamp [ms wall time] |
+| latency_TOPIC_ms | real time: median, quantiles and maximum from a sample to the command of its stamp [ms] |
 | period_jitter_ms | real time: the same of how late the bench began its control periods |
 | cores_kept_awake | real time: whether the bench could keep all cores from sleeping |
 | pauses, paused_s | real time: how often and how long the bench itself was kept from running |
