@@ -270,6 +270,8 @@ class BagWriter:
 
 def _same_size(messages: list[bytes]) -> list[tuple[int, int]]:
     """First and behind the last of every run of messages of one size."""
+    if len(set(map(len, messages))) == 1:
+        return [(0, len(messages))]
     sizes = np.fromiter(map(len, messages), dtype=np.int64, count=len(messages))
     ends = [0, *(np.flatnonzero(np.diff(sizes)) + 1).tolist(), len(messages)]
     return list(itertools.pairwise(ends))

@@ -8,6 +8,7 @@ back. Records other than messages are written by the mcap library.
 
 from __future__ import annotations
 
+import functools
 import os
 import struct
 import zlib
@@ -53,6 +54,9 @@ _FOOTER_HEAD = struct.Struct("<BQQQ")
 _FIXED = _MESSAGE.itemsize - 9
 _WRITABLE = 0o644
 
+_Block = tuple[NDArray[np.int64], NDArray[np.int64]]
+"""Stamps [ns] of messages of one topic, and where in the chunk their records begin."""
+
 
 class McapFile:
     """Writes one MCAP file.
@@ -82,9 +86,10 @@ class McapFile:
         self._chunk_count = 0
         self._counts: dict[int, int] = {}
         self._first_ns, self._last_ns = 2**63 - 1, 0
-        self._waiting: dict[int, list[tuple[bytes, NDArray[np.int64], int]]] = {}
+        self._buffer: NDArray[np.uint8] = np.empty(2 * CHUNK_BYTES, dtype=np.uint8)
         self._size = self._chunk_last_ns = 0
         self._chunk_first_ns = 2**63 - 1
+        self._blocks: dict[int, list[_Block]] = {}
 
     def add_schema(self, name: str, definition: str, type_hash: str) -> int:  # noqa: ARG002
         """Announce a message type; its hash has its place with the channels."""
@@ -106,7 +111,6 @@ class McapFile:
         self._channels.append(_record(Channel(number, topic, "cdr", dict(about), schema)))
         self._pending += self._channels[-1]
         self._counts[number] = 0
-        self._waiting[number] = []
         return number
 
     def add_metadata(self, name: str, values: Mapping[str, str]) -> None:
@@ -129,17 +133,18 @@ class McapFile:
         Raises:
             OSError: the file cannot be written.
         """
-        count = len(stamps)
-        records = np.empty((count, _MESSAGE.itemsize + size), dtype=np.uint8)
-        head = np.zeros(count, dtype=_MESSAGE)
+        count, record = len(stamps), _record_type(size)
+        start, self._size = self._size, self._size + count * record.itemsize
+        if self._size > len(self._buffer):
+            self._buffer = np.concatenate((self._buffer[:start], np.empty(2 * self._size, dtype=np.uint8)))
+        records = self._buffer[start : self._size].view(record)
+        head = records["head"]
         head["opcode"], head["length"], head["channel"] = Opcode.MESSAGE, _FIXED + size, channel
         head["sequence"] = self._counts[channel] + np.arange(count)
         head["log_time"] = head["publish_time"] = stamps
-        records[:, : _MESSAGE.itemsize] = head.view(np.uint8).reshape(count, _MESSAGE.itemsize)
-        records[:, _MESSAGE.itemsize :] = np.frombuffer(data, dtype=np.uint8).reshape(count, size)
+        records["data"] = np.frombuffer(data, dtype=record["data"])
         self._counts[channel] += count
-        self._waiting[channel].append((records.tobytes(), stamps, records.shape[1]))
-        self._size += records.size
+        self._blocks.setdefault(channel, []).append((stamps, start + record.itemsize * np.arange(count)))
         self._chunk_first_ns = min(self._chunk_first_ns, int(stamps.min()))
         self._chunk_last_ns = max(self._chunk_last_ns, int(stamps.max()))
         if self._size > CHUNK_BYTES:
@@ -183,17 +188,15 @@ class McapFile:
             self._descriptor = -1
 
     def _begin_chunk(self) -> None:
-        self._waiting = {channel: [] for channel in self._counts}
-        self._size = 0
-        self._chunk_first_ns, self._chunk_last_ns = 2**63 - 1, 0
+        self._blocks = {}
+        self._size = self._chunk_last_ns = 0
+        self._chunk_first_ns = 2**63 - 1
 
     def _close_chunk(self) -> None:
         if not self._size:
             return
-        waiting = {channel: blocks for channel, blocks in self._waiting.items() if blocks}
-        # topic by topic: zstd finds more to leave out, and a reader takes a topic in one piece
-        data = b"".join(records for blocks in waiting.values() for records, _, _ in blocks)
-        packed = self._compress(data) if self._compress else data
+        data = self._buffer[: self._size].data
+        packed = self._compress(data) if self._compress else bytes(data)
         compression = "zstd" if self._compress else ""
         first, last = self._chunk_first_ns, self._chunk_last_ns
         chunk = _record(Chunk(compression, packed, last, first, zlib.crc32(data), len(data)))
@@ -201,15 +204,9 @@ class McapFile:
         self._pending += chunk
         places = {}
         index_start = len(self._pending)
-        place = 0
-        for channel, blocks in waiting.items():
+        for channel, blocks in self._blocks.items():
             places[channel] = self._position + len(self._pending)
-            content = b""
-            for _, stamps, size in blocks:
-                entries = np.empty((len(stamps), 2), dtype="<u8")
-                entries[:, 0], entries[:, 1] = stamps, place + size * np.arange(len(stamps))
-                content += entries.tobytes()
-                place += size * len(stamps)
+            content = np.concatenate([np.column_stack(block) for block in blocks]).astype("<u8").tobytes()
             self._pending += _INDEX.pack(Opcode.MESSAGE_INDEX, 6 + len(content), channel, len(content))
             self._pending += content
         length = len(self._pending) - index_start
@@ -240,6 +237,12 @@ class McapFile:
         start = place + len(end)
         crc = zlib.crc32(_FOOTER_HEAD.pack(Opcode.FOOTER, 20, start, 0), zlib.crc32(summary))
         return end + summary + _record(Footer(start, 0, crc)) + MAGIC
+
+
+@functools.cache
+def _record_type(size: int) -> np.dtype[np.void]:
+    """A message record with so many bytes of data."""
+    return np.dtype([("head", _MESSAGE), ("data", f"V{size}")])
 
 
 def _record(record: McapRecord) -> bytes:
