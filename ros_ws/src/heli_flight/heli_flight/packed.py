@@ -106,10 +106,12 @@ class TopicBlocks:
             self._loosen().extend(messages)
         self._note(stamps)
 
-    def add_rows(self, stamps: Stamps, data: bytes, starts: NDArray[np.int64], size: int) -> None:
+    def add_rows(
+        self, stamps: Stamps, data: bytes | NDArray[np.uint8], starts: NDArray[np.int64], size: int
+    ) -> None:
         """Append messages of one size that begin at these places of the data."""
         if not self._fits(size):
-            self.add(stamps, [data[start : start + size] for start in starts.tolist()])
+            self.add(stamps, [bytes(data[start : start + size]) for start in starts.tolist()])
             return
         rows: NDArray[np.void] = np.ndarray((len(data) - size + 1,), f"V{size}", data, strides=(1,))
         self._room(len(starts), size)[:] = rows[starts].view(np.uint8).reshape(len(starts), size)
