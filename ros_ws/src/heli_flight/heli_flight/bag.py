@@ -32,6 +32,7 @@ from heli_flight.bag_metadata import (
     RecordedTopic,
     bag_information,
     dump_yaml,
+    metadata_text,
     qos_profile,
 )
 from heli_flight.bag_reader import Bag, read_bag, topic_name
@@ -264,8 +265,8 @@ class BagWriter:
         )
 
     def _write_metadata(self) -> None:
-        document = {"rosbag2_bagfile_information": self._information()}
-        write_atomically(self.folder / METADATA_FILE, dump_yaml(document))
+        text = metadata_text(self._information(), self._topics.values())
+        write_atomically(self.folder / METADATA_FILE, text)
 
 
 def _same_size(messages: list[bytes]) -> list[tuple[int, int]]:

@@ -26,7 +26,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
+from textwrap import indent
 from typing import Any
 
 import numpy as np
@@ -44,6 +45,8 @@ ROS_DISTRO = "jazzy"
 NO_START = 2**63 - 1
 """What rosbag2 writes as the starting time of an empty bag."""
 
+_TOPICS = "topics_with_message_count"
+_INDENT = 2 * " "
 _FOREVER = {"sec": 9223372036, "nsec": 854775807}
 
 
@@ -60,12 +63,6 @@ def qos_profile(depth: int, transient_local: bool) -> dict[str, Any]:
         "liveliness_lease_duration": dict(_FOREVER),
         "avoid_ros_namespace_conventions": False,
     }
-
-
-class Unchanging(dict[str, Any]):
-    """A mapping that stays as it is from its first dump on, so that later ones need not look into it."""
-
-    node: yaml.Node | None = None
 
 
 @dataclass
@@ -100,16 +97,21 @@ class RecordedTopic:
     stamps: list[int] = field(default_factory=list, repr=False)
     waiting: list[bytes] = field(default_factory=list, repr=False)
 
-    @cached_property
-    def description(self) -> Unchanging:
+    @property
+    def description(self) -> dict[str, Any]:
         """What `topic_metadata` says of it."""
-        return Unchanging(
-            name=self.name,
-            type=self.ros_type,
-            serialization_format="cdr",
-            offered_qos_profiles=[self.qos],
-            type_description_hash=self.type_hash,
-        )
+        return {
+            "name": self.name,
+            "type": self.ros_type,
+            "serialization_format": "cdr",
+            "offered_qos_profiles": [self.qos],
+            "type_description_hash": self.type_hash,
+        }
+
+    @cached_property
+    def text(self) -> str:
+        """The same as YAML, an entry of the list of topics without its count."""
+        return indent(dump_yaml([{"topic_metadata": self.description}]), _INDENT)
 
     def count_in(self, stamps: NDArray[np.int64]) -> None:
         """Count messages with the next stamps [ns], and what is missing between them."""
@@ -129,30 +131,12 @@ class _Dumper(yaml.CSafeDumper if yaml.__with_libyaml__ else yaml.SafeDumper):  
         """Every profile is written in full: other readers know no anchors."""
         return True
 
-    def resolve(self, kind: type[yaml.Node], value: Any, implicit: Any) -> Any:
-        """Tag of a node; most texts are the same each time that metadata are renewed."""
-        if kind is yaml.ScalarNode:
-            return _scalar_tag(value, implicit)
-        return super().resolve(kind, value, implicit)
-
-
-@lru_cache(1024)
-def _scalar_tag(value: str, implicit: tuple[bool, bool]) -> str:
-    return str(yaml.resolver.Resolver().resolve(yaml.ScalarNode, value, implicit))  # type: ignore[no-untyped-call]
-
 
 def _represent_text(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style="|" if "\n" in text else None)
 
 
-def _represent_unchanging(dumper: yaml.SafeDumper, mapping: Unchanging) -> yaml.Node:
-    if mapping.node is None:
-        mapping.node = dumper.represent_dict(mapping)
-    return mapping.node
-
-
 _Dumper.add_representer(str, _represent_text)
-_Dumper.add_representer(Unchanging, _represent_unchanging)
 
 
 def dump_yaml(document: object) -> str:
@@ -189,9 +173,7 @@ def bag_information(
         "duration": duration,
         "starting_time": start,
         "message_count": count,
-        "topics_with_message_count": [
-            {"topic_metadata": topic.description, "message_count": topic.count} for topic in listed
-        ],
+        _TOPICS: [{"topic_metadata": topic.description, "message_count": topic.count} for topic in listed],
         "compression_format": "zstd" if packed else "",
         "compression_mode": "FILE" if packed else "",
         "relative_file_paths": [storage_file],
@@ -201,3 +183,19 @@ def bag_information(
         "custom_data": dict(custom_data),
         "ros_distro": ROS_DISTRO,
     }
+
+
+def metadata_text(information: Mapping[str, Any], topics: Iterable[RecordedTopic]) -> str:
+    """The text of metadata.yaml.
+
+    It is renewed in flight, and what it says of each topic stays as it is but for the count.
+
+    Args:
+        information: of `bag_information`.
+        topics: those it was made of.
+    """
+    head = {key: value for key, value in information.items() if key != _TOPICS}
+    lines = [dump_yaml({"rosbag2_bagfile_information": head}), f"{_INDENT}{_TOPICS}:\n"]
+    for topic in topics:
+        lines += [topic.text, f"{2 * _INDENT}message_count: {topic.count}\n"]
+    return "".join(lines if len(lines) > 2 else [lines[0], f"{_INDENT}{_TOPICS}: []\n"])

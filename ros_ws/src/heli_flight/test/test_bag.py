@@ -19,7 +19,7 @@ from rosbags.typesys import Stores, get_typestore
 from heli_common.errors import InputError
 from heli_common.topics import TOPICS
 from heli_flight.bag import BagWriter
-from heli_flight.bag_metadata import dump_yaml
+from heli_flight.bag_metadata import RecordedTopic, bag_information, dump_yaml, metadata_text, qos_profile
 from heli_flight.bag_reader import read_bag, topic_name
 from heli_flight.flight_hash import bag_hash, count_check
 
@@ -101,6 +101,20 @@ def test_metadata_is_version_9(tmp_path: Path) -> None:
     assert all(isinstance(text, str) for text in information["custom_data"].values())
     profile = information["topics_with_message_count"][0]["topic_metadata"]["offered_qos_profiles"][0]
     assert profile["durability"] == "volatile"
+
+
+def test_the_text_of_metadata_says_what_a_dump_of_them_says() -> None:
+    topics = [
+        RecordedTopic("/rotor", "sensor_msgs/msg/JointState", "RIHS01_a", qos_profile(1000, False)),
+        RecordedTopic("/state", "std_msgs/msg/String", "RIHS01_b", qos_profile(1, True), count=7),
+    ]
+    for listed in (topics, []):
+        about = bag_information("f_0.mcap", "mcap", listed, 5, 9, {"plan": "a: 1\nb: 2\n", "seed": "1"})
+        text = metadata_text(about, listed)
+        assert yaml.safe_load(text) == {"rosbag2_bagfile_information": about}
+        assert "&" not in text
+    topics[1].count = 8
+    assert "message_count: 8" in metadata_text(about, topics)
 
 
 def test_metadata_is_there_from_the_start_and_renewed(tmp_path: Path) -> None:

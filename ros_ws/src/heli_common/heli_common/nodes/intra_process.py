@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from functools import partial
 
 from heli_common.nodes.node_run import FAILURES, NodeRun
 
@@ -65,7 +66,7 @@ class _Line:
 
     Attributes:
         topic: of the table of topics.
-        receivers: nodes of this process that subscribe to it.
+        receivers: nodes of this process that act on its messages, in their turn.
     """
 
     def __init__(
@@ -75,20 +76,25 @@ class _Line:
         self._queue = queue
         self._publisher = source.connection.publisher(topic)
         name = self._publisher.topic_name
-        self.receivers = tuple(
-            run for run in runs if topic in run.program.inputs and run.inbox.full_name(topic) == name
-        )
-        for run in self.receivers:
+        hearers = [run for run in runs if topic in run.program.inputs and run.inbox.full_name(topic) == name]
+        for run in hearers:
             run.inbox.leave(topic)
+        self.receivers = tuple(run for run in hearers if run.program.waking)
+        # who waits for no message only keeps it until its own turn
+        self._keepers = tuple(
+            partial(run.program.on_message, topic) for run in hearers if not run.program.waking
+        )
         source.connection.divert(topic, self._send)
-        self._outside = False
+        self._own, self._outside = len(hearers), False
         self.look_outside()
 
     def look_outside(self) -> None:
         """Whether the middleware knows of more subscriptions than those of this process."""
-        self._outside = self._publisher.get_subscription_count() > len(self.receivers)
+        self._outside = self._publisher.get_subscription_count() > self._own
 
     def _send(self, data: bytes) -> None:
+        for keep in self._keepers:
+            keep(data)
         if self.receivers:
             self._queue.append((self, data))
         if self._outside:

@@ -18,7 +18,8 @@ class Program(Protocol):
         name: what the node is in the table of topics.
         inputs: topics that it hears.
         outputs: topics that it speaks on.
-        waking: inputs that come last in a burst, see `Inbox`; none for a node that looks every now and then.
+        waking: inputs that come last in a burst, see `Inbox`; none for a node that looks every now and then:
+            it keeps messages and acts on them in `turn`.
         ends: whether it ends by itself when the flight is over; composed nodes wait for those that do.
         finished: whether it has nothing more to do.
     """
