@@ -104,9 +104,9 @@ class BenchSimulator:
 
     def missing(self) -> tuple[str, ...]:
         """Topics whose command for the coming instant is not here yet; empty if the bench may go on."""
-        if not is_command_tick(self.stamp_ns):
-            return ()
         due = self.stamp_ns - COMMAND_LATENCY_NS
+        if not is_command_tick(self.stamp_ns) or min(self.newest.values()) >= due:
+            return ()
         return tuple(topic for topic in self.inputs if self.newest[topic] < due)
 
     def tick(self) -> list[Message]:
