@@ -28,7 +28,8 @@ from heli_control.controller_file import load_controller
 from heli_flight.bag_check import write_again
 from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_in_process import fly_in_process
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import parse_plan
 
 STORE = get_typestore(Stores.ROS2_JAZZY)

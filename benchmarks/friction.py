@@ -35,7 +35,8 @@ from heli_flight.chain import AFTER, excited_segments
 from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_in_process import fly_in_process
 from heli_flight.identification import Choice, identify
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import load_plan
 from heli_identification.parametrisation import Noise
 from heli_identification.preparation import Segment

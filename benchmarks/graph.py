@@ -22,9 +22,9 @@ from rich.table import Table
 
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_control.controller_file import load_controller
-from heli_flight.fly_graph import COMPOSED
 from heli_flight.flying import fly
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import COMPOSED_PROCESS, Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import load_plan
 from heli_flight.process_group import ProcessGroup
 from heli_flight.process_table import LOCKSTEP_PRIORITY, environment, processes
@@ -95,7 +95,7 @@ def floor(mode: Mode, scheduled: bool) -> Watch:
     paced = mode is Mode.REALTIME
     commands = {}
     for node in [nodes[0]] if mode is Mode.COMPOSED else nodes:
-        name = COMPOSED if mode is Mode.COMPOSED else node.name
+        name = COMPOSED_PROCESS if mode is Mode.COMPOSED else node.name
         priority = (node.priority if paced else LOCKSTEP_PRIORITY) if scheduled else 0
         settings = {"running": ",".join(each.name for each in nodes), "real_time_priority": priority}
         settings |= {"paced": int(paced)} if node is nodes[0] else {}

@@ -31,7 +31,8 @@ from heli_flight.chain import excited_segments
 from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_in_process import fly_in_process
 from heli_flight.identification import Choice, identify
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import Plan, parse_plan
 from heli_identification.helicopter_structures import SERVO_ROTOR
 from heli_identification.linear_twin import Disturbance, Twin, lq_feedback

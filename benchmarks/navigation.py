@@ -23,7 +23,8 @@ from heli_control.controller_file import load_controller
 from heli_flight.cli.navigation import assess, show
 from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_in_process import fly_in_process
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import load_plan
 from heli_navigation.arm_kinematics import arms_from_position
 from heli_navigation.inertial_navigation import InertialNavigation

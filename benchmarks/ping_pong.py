@@ -31,7 +31,7 @@ from heli_common.topics import BENCH_SIM, RECORDER, TOPICS, data_topics
 from heli_control.attitude_control import AttitudeController
 from heli_control.motor_control import MotorController
 from heli_control.position_control import PositionController
-from heli_flight.fly_graph import COMPOSED
+from heli_flight.mode import COMPOSED_PROCESS
 from heli_flight.recorder import ACKNOWLEDGE_NS
 from heli_flight.supervisor import Supervisor
 from heli_navigation.navigator import Navigator
@@ -186,7 +186,7 @@ def build(name: str) -> Build:
 def main() -> None:
     """One node of the floor, or all."""
     name, *arguments = sys.argv[1:]
-    if name == COMPOSED:
+    if name == COMPOSED_PROCESS:
         sys.exit(run_nodes({each: (build(each), arguments) for each in (BENCH_SIM, RECORDER, *REAL)}))
     sys.exit(run_node(name, build(name), arguments))
 

@@ -1,10 +1,11 @@
 """Is a long flight in real time punctual? Late commands, latency, jitter and processor time of each node.
 
-    python benchmarks/realtime.py [--minutes 10] [--cases fifo,fifo_loaded,plain,plain_loaded] [--json FILE]
+    python benchmarks/realtime.py [--minutes 10] [--cases fifo,fifo_loaded,...] [--json FILE]
 
 Hovers as `heli fly` does, recorder on, with (`fifo`) and without (`plain`) real-time scheduling, on an idle
-machine and with one busy process of ordinary priority for every core (`_loaded`). The bounds are those asked
-of real-time scheduling; without it the same figures are printed and nothing is demanded. Exit code 1: a bound
+machine and with one busy process of ordinary priority for every core (`_loaded`); `composed` with all nodes
+but the recorder in one process and with real-time scheduling. The bounds are those asked of real-time
+scheduling; without it the same figures are printed and nothing is demanded. Exit code 1: a bound
 is missed. Tables come after each case. docs/realtime.md says what to set and how to read the figures.
 """
 
@@ -34,7 +35,8 @@ from heli_flight.cli.planned import planned_order
 from heli_flight.flight_hash import count_check
 from heli_flight.flying import fly
 from heli_flight.machine_load import every_core_busy
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.process_table import PROCESSES, environment
 from heli_flight.progress import Progress
 from heli_flight.punctuality import PERIOD, punctuality, spoken
@@ -65,15 +67,19 @@ class Case:
     Attributes:
         scheduled: with real-time scheduling.
         loaded: with every core busy.
+        mode: way of running.
     """
 
     scheduled: bool
     loaded: bool
+    mode: Mode = Mode.REALTIME
 
 
 CASES = {
     "fifo": Case(True, False),
     "fifo_loaded": Case(True, True),
+    "composed": Case(True, False, Mode.REALTIME_COMPOSED),
+    "composed_loaded": Case(True, True, Mode.REALTIME_COMPOSED),
     "plain": Case(False, False),
     "plain_loaded": Case(False, True),
 }
@@ -142,7 +148,7 @@ def flown(order: FlightOrder, case: Case, title: str) -> Found:
         KeyboardInterrupt: while flying.
         SystemExit: no bag was left.
     """
-    order = replace(order, mode=Mode.REALTIME, real_time_scheduling=case.scheduled)
+    order = replace(order, mode=case.mode, real_time_scheduling=case.scheduled)
     watch, warnings, machine = Watch(), [], bare_jitter(case)
     with every_core_busy(case.loaded), LiveProgress(order.plan.duration, quiet=False) as live:
         live.warn(title)

@@ -22,7 +22,8 @@ from heli_common.errors import InputError
 from heli_control.controller_file import load_controller
 from heli_flight.flight_hash import count_check
 from heli_flight.fly_in_process import fly_in_process
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import parse_plan
 from heli_flight.report import drawn_figures, load_flights, summarized, write_report
 from heli_flight.report_sections import SECTIONS

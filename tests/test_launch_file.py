@@ -12,7 +12,8 @@ import pytest
 
 from heli_control.controller_file import load_controller
 from heli_flight.fly_graph import command
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import load_plan
 from heli_flight.process_table import PROCESSES, Process, processes
 

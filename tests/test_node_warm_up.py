@@ -15,7 +15,7 @@ from heli_common.topics import IDENTIFICATION, RECORDER, data_topics
 from heli_flight.bag_reader import read_bag
 from heli_flight.cli.planned import planned_order
 from heli_flight.fly_graph import ros_arguments
-from heli_flight.order import Mode
+from heli_flight.mode import Mode
 from heli_flight.process_table import PROCESSES
 
 PLAN = """

@@ -146,25 +146,31 @@ class BenchProgram:
         return " and ".join(absent) or "nothing"
 
     def _advance_real_time(self) -> float:
-        """Publish what is due and return how long until the next sample.
+        """Publish a sample if it is due and return how long until the next, which may be overdue, too.
+
+        Commands that are there are taken in between.
 
         A bench that was itself kept from running must not make up for it in one rush, in which no command
         can arrive: it would take its own absence for the others' silence. It moves its clock instead, and
         the summary says how often and how long.
         """
+        wait = self._wait
+        if wait > 0.0:
+            return wait
         simulator = self.simulator
-        while True:
-            due = self._clock_zero + (simulator.stamp_ns + SENSOR_PERIOD_NS) * 1e-9
-            wait = due - perf_counter()
-            if wait > 0.0:
-                return wait
-            if is_control_tick(simulator.stamp_ns + SENSOR_PERIOD_NS):
-                self._jitter.began(-wait)
-            if -wait > CATCH_UP_SECONDS:
-                self._pauses.append(-wait)
-                self._clock_zero -= wait
-            self._refuse_silence()
-            self._publish(simulator.tick())
+        if is_control_tick(simulator.stamp_ns + SENSOR_PERIOD_NS):
+            self._jitter.began(-wait)
+        if -wait > CATCH_UP_SECONDS:
+            self._pauses.append(-wait)
+            self._clock_zero -= wait
+        self._refuse_silence()
+        self._publish(simulator.tick())
+        return max(0.0, self._wait)
+
+    @property
+    def _wait(self) -> float:
+        """Until the next sample is due [s]; negative if it is late."""
+        return self._clock_zero + (self.simulator.stamp_ns + SENSOR_PERIOD_NS) * 1e-9 - perf_counter()
 
     def _refuse_silence(self) -> None:
         for topic, newest in self.simulator.newest.items():

@@ -28,7 +28,8 @@ from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_in_process import fly_in_process
 from heli_flight.identification import Choice, Identified, identify
 from heli_flight.metrics import flight_metrics
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import Plan, load_plan
 from heli_flight.worker_pool import Workers
 from heli_identification.parametrisation import Noise

@@ -13,15 +13,14 @@ from heli_common import topics
 from heli_common.errors import EXIT_BAD_INPUT, EXIT_FLOWN, EXIT_INTERRUPTED, EXIT_SAFETY_STOP
 from heli_common.flight_state import FlightState
 from heli_common.kernel_cache import is_warm
+from heli_flight.mode import COMPOSED_PROCESS, Mode
 from heli_flight.node_settings import FlightSettings
-from heli_flight.order import FlightEnd, FlightOrder, Mode
+from heli_flight.order import FlightEnd, FlightOrder
 from heli_flight.process_group import Line, ProcessGroup
 from heli_flight.process_table import NODE_NAMES, Process, environment, processes
 from heli_flight.progress import Progress, parse
 
 READ_SECONDS = 0.1
-COMPOSED = "composed"
-"""Name of the process that holds all nodes."""
 
 
 def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callable[[str], None]) -> FlightEnd:
@@ -53,12 +52,19 @@ def fly_graph(order: FlightOrder, tell: Callable[[Progress], None], warn: Callab
 
 def _commands(order: FlightOrder, notes: Path) -> dict[str, list[str]]:
     """Command lines of the processes of a flight, by the name of the process."""
-    if order.mode is not Mode.COMPOSED:
-        return {each.name: command(each, order, notes) for each in processes(order.identified)}
-    file = notes.with_name("composed.json")
-    arguments = {each.name: ros_arguments(each, order, notes) for each in processes(order.identified)}
-    file.write_text(json.dumps(arguments))
-    return {COMPOSED: [sys.executable, "-m", "heli_flight.nodes.composed_node", str(file)]}
+    nodes = processes(order.identified)
+    commands = {
+        each.name: command(each, order, notes)
+        for each in nodes
+        if order.mode.process_of(each.name) == each.name
+    }
+    shared = {each.name: ros_arguments(each, order, notes) for each in nodes if each.name not in commands}
+    if shared:
+        file = notes.with_name("composed.json")
+        file.write_text(json.dumps(shared))
+        module = "heli_flight.nodes.composed_node"
+        commands[COMPOSED_PROCESS] = [sys.executable, "-m", module, str(file)]
+    return commands
 
 
 def command(process: Process, order: FlightOrder, notes: Path) -> list[str]:
@@ -91,7 +97,7 @@ class _Watch:
         mode: Mode,
     ) -> None:
         self._group, self._tell, self._warn = group, tell, warn
-        self._ending = {COMPOSED} if mode is Mode.COMPOSED else {topics.BENCH_SIM, topics.RECORDER}
+        self._ending = {mode.process_of(node) for node in (topics.BENCH_SIM, topics.RECORDER)}
         self._spared: set[str] = set(topics.OPTIONAL_NODES) if mode is Mode.REALTIME else set()
         self._told: set[str] = set()
         self._warned: set[str] = set()
@@ -141,7 +147,7 @@ class _Watch:
                 self._last_error[line.process] = line.text.strip()
 
     def _fail(self, exited: dict[str, int]) -> None:
-        order = [name for name in (*NODE_NAMES, COMPOSED) if name in exited]
+        order = [name for name in (*NODE_NAMES, COMPOSED_PROCESS) if name in exited]
         bad_input = [name for name in order if exited[name] == EXIT_BAD_INPUT]
         name = (bad_input or order)[0]
         self.reason = self._last_error.get(name, _how(name, exited[name]))

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from heli_flight.fly_graph import fly_graph
-from heli_flight.order import FlightEnd, FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightEnd, FlightOrder
 from heli_flight.progress import Progress
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from heli_bench_sim.fault_words import to_mappings
 from heli_common import topics
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import GUSTY, Plan
 from heli_flight.process_table import LOCKSTEP_PRIORITY, Process
 
@@ -51,7 +52,7 @@ class FlightSettings:
         return cls(
             plan=order.plan,
             plan_name=order.plan_name,
-            mode=(Mode.LOCKSTEP if order.mode is Mode.COMPOSED else order.mode).value,
+            mode=(Mode.REALTIME if order.mode.paced else Mode.LOCKSTEP).value,
             seed=order.seed,
             controllers=(order.controller_name, *order.later_names),
             motor=order.motor_name,

@@ -7,25 +7,16 @@ import json
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import Enum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from heli_control.controller_file import ControllerFile
 from heli_control.motor_controller_file import MotorControllerFile, load_motor_controller
+from heli_flight.mode import Mode
 from heli_flight.plan import Plan
 from heli_flight.process_table import processes
 
 RECORDED_VERSIONS = ("heli_flight", "ros-jazzy-rclpy", "numpy", "scipy", "numba", "mcap", "rosbags")
-
-
-class Mode(str, Enum):
-    """The ways of running a flight."""
-
-    LOCKSTEP = "lockstep"
-    COMPOSED = "composed"
-    REALTIME = "realtime"
-    INPROCESS = "inprocess"
 
 
 @dataclass(frozen=True)

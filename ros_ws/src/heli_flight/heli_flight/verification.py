@@ -11,10 +11,11 @@ from heli_flight.bag_reader import read_bag
 from heli_flight.flight_hash import Difference, bag_hash, first_difference
 from heli_flight.flying import fly
 from heli_flight.machine_load import every_core_busy
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.progress import Progress
 
-REPRODUCIBLE = tuple(mode for mode in Mode if mode is not Mode.REALTIME)
+REPRODUCIBLE = tuple(mode for mode in Mode if not mode.paced)
 """Ways of running in which a plan and a seed give the same bytes."""
 
 

@@ -180,7 +180,8 @@ def test_a_figure_is_that_of_the_report(flown: Path, tmp_path: Path) -> None:
     from heli_flight.flight_record import FlightRecord
     from heli_flight.fly_in_process import fly_in_process
     from heli_flight.metrics import flight_metrics
-    from heli_flight.order import FlightOrder, Mode
+    from heli_flight.mode import Mode
+    from heli_flight.order import FlightOrder
 
     campaign = campaign_of("seed: 1")
     row, plan = campaign.fly(0), campaign.drawn(0).plan

@@ -8,7 +8,8 @@ from heli_control.controller_file import load_controller
 from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_in_process import fly_in_process
 from heli_flight.metrics import flight_metrics
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import load_plan, parse_plan
 
 FIVE = ("lq", "gst", "gst2", "ncf", "ncf2")

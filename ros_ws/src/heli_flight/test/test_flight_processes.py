@@ -1,5 +1,6 @@
 """Groups of processes: read, stopped and never left behind; progress lines; the table of nodes."""
 
+import json
 import os
 import signal
 import subprocess
@@ -15,8 +16,9 @@ from heli_common.flight_state import FlightState
 from heli_common.topics import DATA_TOPICS, OPTIONAL_NODES, TOPICS, data_topics
 from heli_control.controller_file import load_controller
 from heli_flight import fly_graph
+from heli_flight.mode import Mode
 from heli_flight.node_settings import FlightSettings
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import load_plan
 from heli_flight.process_group import ProcessGroup
 from heli_flight.process_table import NODE_NAMES, processes
@@ -131,14 +133,32 @@ def order(mode, scheduled=True):
     return FlightOrder(plan, "hover", mode, 1, controller, plan.controller, Path("b"), None, scheduled)
 
 
+@pytest.mark.parametrize(
+    ("mode", "names"),
+    [
+        (Mode.LOCKSTEP, {each.name for each in processes(False)}),
+        (Mode.REALTIME, {each.name for each in processes(False)}),
+        (Mode.COMPOSED, {"composed"}),
+        (Mode.REALTIME_COMPOSED, {"composed", "recorder"}),
+    ],
+)
+def test_which_nodes_share_a_process(tmp_path, mode, names):
+    commands = fly_graph._commands(order(mode), tmp_path / "notes.json")
+    assert set(commands) == names
+    if mode.composed:
+        shared = json.loads((tmp_path / "composed.json").read_text())
+        assert set(shared) == {each.name for each in processes(False)} - names
+
+
 @pytest.mark.parametrize("mode", [Mode.LOCKSTEP, Mode.COMPOSED])
 def test_nobody_interrupts_another_node_in_lockstep(mode):
     settings = FlightSettings.of_order(order(mode), "")
     assert {settings.of(each, NODE_NAMES)["real_time_priority"] for each in processes(True)} == {1}
 
 
-def test_the_bench_comes_first_and_the_recorder_last_in_real_time():
-    settings = FlightSettings.of_order(order(Mode.REALTIME), "")
+@pytest.mark.parametrize("mode", [mode for mode in Mode if mode.paced])
+def test_the_bench_comes_first_and_the_recorder_last_in_real_time(mode):
+    settings = FlightSettings.of_order(order(mode), "")
     priority = {each.name: settings.of(each, NODE_NAMES)["real_time_priority"] for each in processes(True)}
     assert sorted(priority, key=priority.get)[:: len(priority) - 1] == ["recorder", "bench_sim"]
 

@@ -12,6 +12,7 @@ from heli_flight.bag_reader import read_bag
 from heli_flight.cli.main import main
 from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_in_process import fly_in_process
+from heli_flight.mode import Mode
 from heli_flight.navigation_check import (
     _normalised,
     _rotation_between,
@@ -21,7 +22,7 @@ from heli_flight.navigation_check import (
     free_flight,
     nees,
 )
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import load_plan, parse_plan
 from heli_flight.replay_check import replay
 

@@ -15,7 +15,8 @@ from heli_control.controller_file import load_controller
 from heli_flight.bag_reader import Bag, read_bag
 from heli_flight.cli.main import main
 from heli_flight.fly_in_process import fly_in_process
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import parse_plan
 from heli_flight.process_table import NODE_NAMES
 from heli_flight.replay_check import replay

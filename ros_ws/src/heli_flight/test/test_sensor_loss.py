@@ -7,8 +7,9 @@ from calm_room import CALM
 from heli_control.controller_file import load_controller
 from heli_flight.flight_record import FlightRecord
 from heli_flight.fly_in_process import fly_in_process
+from heli_flight.mode import Mode
 from heli_flight.navigation_check import errors, nees
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import parse_plan
 
 PLAN = """

@@ -6,7 +6,8 @@ import pytest
 
 from heli_flight import verification
 from heli_flight.cli.main import main
-from heli_flight.order import FlightEnd, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightEnd
 from heli_flight.verification import REPRODUCIBLE, Flown, Run, differences, runs
 
 PLAN = """

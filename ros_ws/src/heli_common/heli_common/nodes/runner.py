@@ -41,6 +41,9 @@ MIDDLEWARE = Path(__file__).with_name("fastdds.xml")
 WAIT_SECONDS = 0.02
 """Longest wait for data: parameters and services are looked after as often as that."""
 
+FREE_SECONDS = 0.0005
+"""Parameters and services take less; before an instant that is nearer they wait, if not for long."""
+
 QUIET = ("--ros-args", "--disable-stdout-logs", "--disable-external-lib-logs")
 
 Build = Callable[[Node, tuple[str, ...]], Program]
@@ -92,7 +95,8 @@ def _run(words: Sequence[str], builds: Mapping[str, tuple[Build, Sequence[str] |
             own = {} if arguments is None else {"cli_args": list(arguments), "use_global_arguments": False}
             nodes.append(rclpy.create_node(who, **own))
             text = "SCHED_FIFO priority, 0 for none"
-            priority = declare_integer(nodes[-1], "real_time_priority", 0, text, 0, 90)
+            own_priority = declare_integer(nodes[-1], "real_time_priority", 0, text, 0, 90)
+            priority = max(priority, own_priority)  # one process has one
             text = "nodes of this graph, comma-separated: publishers wait for those among them that listen"
             running = declare_names(nodes[-1], "running", text)
             runs.append(NodeRun(nodes[-1], build(nodes[-1], running), running))
@@ -152,14 +156,16 @@ class _Loop:
     def _turns(self) -> None:
         """Programs act, wait, take in turn; those that wait for no message and the executor now and then."""
         idle, serve_at = True, 0.0
+        self._own.look_outside()
         while not self._over:
-            due = monotonic() >= serve_at
-            if due:
-                serve_at = monotonic() + WAIT_SECONDS
+            now = monotonic()
+            runs = self._runs if idle or now >= serve_at else self._awake
+            seconds = min(run.turn() for run in runs)
+            if now >= serve_at and (seconds >= FREE_SECONDS or now >= serve_at + WAIT_SECONDS):
                 self._serve(0.0)
                 self._own.look_outside()
-            runs = self._runs if due or idle else self._awake
-            seconds = min(run.turn() for run in runs)
+                serve_at = monotonic() + WAIT_SECONDS
+                continue
             if not self._own and (idle or len(self._runs) == 1):
                 self._wait(min(seconds, WAIT_SECONDS))
             delivered = self._own.deliver()

@@ -22,7 +22,8 @@ from heli_flight.flight_hash import bag_hash, count_check
 from heli_flight.flight_record import FlightRecord
 from heli_flight.flying import fly
 from heli_flight.metrics import flight_metrics
-from heli_flight.order import FlightEnd, FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightEnd, FlightOrder
 from heli_flight.process_table import NODE_NAMES
 from heli_flight.punctuality import FIGURES, punctuality, spoken
 
@@ -45,7 +46,8 @@ def add_parser(words: Any) -> None:
         choices=[mode.value for mode in Mode],
         default=Mode.REALTIME.value,
         help="realtime: paced by the clock (default); lockstep: as fast as the graph goes; "
-        "composed: the same in one process; inprocess: without ROS",
+        "realtime_composed, composed: the same in one process, in real time all but the recorder; "
+        "inprocess: without ROS",
     )
     word.add_argument("--seed", type=int, help="seed of every random number (default: the plan's)")
     word.add_argument(
@@ -140,7 +142,7 @@ def _namespace(name: str, mode: str) -> str:
 
 def _replaced(words: list[str], mode: str) -> dict[str, Path]:
     """Programs by the name of the node whose place they take."""
-    if words and mode in (Mode.INPROCESS.value, Mode.COMPOSED.value):
+    if words and (mode == Mode.INPROCESS.value or Mode(mode).composed):
         allowed = "realtime, lockstep: a program of one's own is a process"
         raise InputError(f"in mode {mode}", allowed=allowed, key="--replace")
     programs = {}
@@ -177,7 +179,7 @@ def _result(order: FlightOrder, end: FlightEnd, report: bool) -> dict[str, Any] 
         "wall_s": round(end.wall_seconds, 3),
         "lost_messages": lost,
         "late_commands": late,
-        "punctuality": punctuality(record.custom_data) if order.mode is Mode.REALTIME else {},
+        "punctuality": punctuality(record.custom_data) if order.mode.paced else {},
         "paused_s": float(record.custom_data.get("paused_s", 0.0)),
         "metrics": flight_metrics(record),
         "bag": str(order.bag),

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from heli_control.controller_file import load_controller
 from heli_flight.cli.limits import require_between
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.plan import load_plan
 
 

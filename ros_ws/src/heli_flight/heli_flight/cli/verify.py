@@ -16,7 +16,8 @@ from heli_common.errors import EXIT_DIFFERENT, EXIT_FLOWN, EXIT_SAFETY_STOP, Inp
 from heli_flight.cli.limits import require_between
 from heli_flight.cli.live import LiveProgress
 from heli_flight.cli.planned import planned_order
-from heli_flight.order import FlightOrder, Mode
+from heli_flight.mode import Mode
+from heli_flight.order import FlightOrder
 from heli_flight.verification import REPRODUCIBLE, Flown, Run, differences, fly_run, runs
 
 MOST_TIMES = 20

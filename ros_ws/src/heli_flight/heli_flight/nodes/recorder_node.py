@@ -16,9 +16,10 @@ from heli_common.nodes.parameters import declare_text
 from heli_common.topics import RECORDER, TOPICS, data_topics
 from heli_flight.bag import STORAGES
 from heli_flight.framed_bag import FramedBagWriter
+from heli_flight.mode import Mode
 from heli_flight.nodes.recorder_program import DIAGNOSTICS, RecorderProgram
 
-REALTIME = "realtime"
+PACED = tuple(mode.value for mode in Mode if mode.paced)
 
 
 def build(node: Node, running: tuple[str, ...]) -> RecorderProgram:
@@ -39,7 +40,7 @@ def build(node: Node, running: tuple[str, ...]) -> RecorderProgram:
     for topic in recorded:
         bag.add_topic(topic, TOPICS[topic].layout.ros_type)
     bag.add_topic(DIAGNOSTICS, "diagnostic_msgs/msg/DiagnosticArray")
-    return RecorderProgram(node, bag, recorded, about.get("mode") == REALTIME)
+    return RecorderProgram(node, bag, recorded, about.get("mode") in PACED)
 
 
 def _read_notes(path: str) -> dict[str, str]:
