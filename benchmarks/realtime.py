@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -99,6 +100,7 @@ class Found:
         punctuality: median, quantiles and maximum by subject [ms], see `heli_flight.punctuality`.
         shares: processor time of each node [% of a core].
         machine: jitter of a bare loop of the same period and load, before the flight [ms].
+        stolen_s: for how long the host of a virtual machine let its cores wait, all together [s].
     """
 
     minutes: float
@@ -110,6 +112,7 @@ class Found:
     punctuality: dict[str, dict[str, float]]
     shares: dict[str, float]
     machine: dict[str, float]
+    stolen_s: float
 
     def missed(self) -> list[str]:
         """Bounds of real-time scheduling that the flight has missed."""
@@ -136,6 +139,12 @@ def bare_jitter(case: Case) -> dict[str, float]:
     return figures
 
 
+def stolen_seconds() -> float:
+    """Time so far in which the host of a virtual machine ran something else on our cores [s]."""
+    words = Path("/proc/stat").read_text().splitlines()[0].split()
+    return int(words[8]) / os.sysconf("SC_CLK_TCK")
+
+
 def plan_text(minutes: float) -> str:
     """The plan file of a hover of so many minutes."""
     return f"{PLAN.lstrip()}  - hover: {{duration: {60.0 * minutes!r}}}\n  - land: {{}}\n  - run_down: {{}}\n"
@@ -150,6 +159,7 @@ def flown(order: FlightOrder, case: Case, title: str) -> Found:
     """
     order = replace(order, mode=case.mode, real_time_scheduling=case.scheduled)
     watch, warnings, machine = Watch(), [], bare_jitter(case)
+    stolen_before = stolen_seconds()
     with every_core_busy(case.loaded), LiveProgress(order.plan.duration, quiet=False) as live:
         live.warn(title)
 
@@ -162,6 +172,7 @@ def flown(order: FlightOrder, case: Case, title: str) -> Found:
             warnings.append(text)
 
         end = fly(order, tell, warn)
+    stolen = stolen_seconds() - stolen_before
     if end.exit_code == EXIT_INTERRUPTED:
         raise KeyboardInterrupt
     if not (order.bag / "metadata.yaml").is_file():
@@ -179,6 +190,7 @@ def flown(order: FlightOrder, case: Case, title: str) -> Found:
         punctuality=punctuality(remarks),
         shares=watch.percent,
         machine=machine,
+        stolen_s=round(stolen, 2),
     )
 
 
@@ -198,6 +210,7 @@ def say(name: str, case: Case, found: Found) -> None:
     console.print(f"\n{name}: {found.minutes:.1f} min", style="bold")
     late = ", ".join(f"{topic} {count}" for topic, count in found.late.items())
     console.print(f"late commands: {late}; lost messages {found.lost}; paused {found.paused_s:.3f} s")
+    console.print(f"cores waited for the host for {found.stolen_s:.2f} s, all together")
     table = Table("ms", box=None, pad_edge=False)
     for title in ("median", "99 %", "99.9 %", "max"):
         table.add_column(title, justify="right")

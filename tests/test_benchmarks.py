@@ -34,7 +34,7 @@ def test_real_time_is_judged_by_every_bound_of_its_issue(monkeypatch: pytest.Mon
     figures = {"median_ms": 0.1, "p99_ms": 0.2, "p99_9_ms": 0.9, "max_ms": 9.0}
     punctual = {"latency_servo_command": figures | {"p99_9_ms": 4.9}, "period_jitter": figures}
     good = realtime.Found(
-        10.0, "", True, {"servo_command": 0}, 0, 0.0, punctual, {"navigation": 15.0}, figures
+        10.0, "", True, {"servo_command": 0}, 0, 0.0, punctual, {"navigation": 15.0}, figures, 0.0
     )
     scheduled, plain = realtime.CASES["fifo"], realtime.CASES["plain"]
     assert realtime.verdict(scheduled, good) == (True, "held: all bounds")
