@@ -20,6 +20,7 @@ from time import perf_counter
 from rich.console import Console
 from rich.table import Table
 
+from heli_common.flight_state import FlightState
 from heli_common.timing import CONTROL_PERIOD_NS
 from heli_control.controller_file import load_controller
 from heli_flight.flying import fly
@@ -45,9 +46,12 @@ class Watch:
         self.looks: list[tuple[float, float, dict[str, float]]] = []
 
     def tell(self, progress: Progress) -> None:
-        """Look, if the flight has settled."""
-        if progress.time >= SETTLED and not progress.state.ended:
+        """Look when the flight has settled and when it lands, and leave it alone in between."""
+        if progress.time >= SETTLED and (not self.looks or self._lands(progress)):
             self.look(progress.time)
+
+    def _lands(self, progress: Progress) -> bool:
+        return len(self.looks) == 1 and progress.state in (FlightState.LANDING, FlightState.RUN_DOWN)
 
     def look(self, time: float) -> None:
         """Note what has been used up to a simulated time [s]."""
