@@ -11,7 +11,7 @@ from heli_common import topics
 from heli_flight.mode import Mode
 from heli_flight.order import FlightOrder
 from heli_flight.plan import GUSTY, Plan
-from heli_flight.process_table import LOCKSTEP_PRIORITY, Process
+from heli_flight.process_table import Process
 
 Settings = dict[str, str | int | float]
 
@@ -70,7 +70,7 @@ class FlightSettings:
             process: of the table.
             running: names of the nodes of the flight.
         """
-        priority = process.priority if self.mode == Mode.REALTIME.value else LOCKSTEP_PRIORITY
+        priority = process.priority if self.mode == Mode.REALTIME.value else process.lockstep_priority
         common: Settings = {
             "running": ",".join(running),
             "real_time_priority": priority if self.scheduled else 0,

@@ -25,6 +25,15 @@ class Process:
     priority: int
 
     @property
+    def lockstep_priority(self) -> int:
+        """SCHED_FIFO priority in lockstep, where nobody keeps time.
+
+        Among equals nobody interrupts the one that publishes, and a burst reaches its reader as one; the
+        recorder, for whom nobody waits, writes when the others do. `benchmarks/graph.py` shows the gain.
+        """
+        return 1 if self.name == topics.RECORDER else 2
+
+    @property
     def executable(self) -> str:
         """Installed name of the node's command."""
         return f"{self.name}_node"
@@ -55,10 +64,6 @@ PROCESSES: tuple[Process, ...] = (
 )
 """The bench keeps time, so it comes first; those between sample and command are equals, none of which
 interrupts another that publishes; the recorder only drains buffers."""
-
-LOCKSTEP_PRIORITY = 1
-"""SCHED_FIFO priority of every node in lockstep. Among equals nobody interrupts the one that publishes, and a
-burst reaches its reader as one: `benchmarks/graph.py` shows what that gains."""
 
 
 def processes(identified: bool) -> tuple[Process, ...]:
