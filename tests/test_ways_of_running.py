@@ -73,8 +73,7 @@ def test_a_flight_that_excites_is_the_same_in_every_way_with_and_without_load(he
     assert len(verified(heli, EXCITED, "--times", "1")) == 6
 
 
-@pytest.mark.alone
-@pytest.mark.parametrize("mode", ["realtime", "realtime_composed"])
+@pytest.mark.parametrize("mode", [pytest.param("realtime", marks=pytest.mark.alone), "realtime_composed"])
 def test_real_time_loses_nothing_and_has_the_lockstep_hash_unless_late(heli, mode):
     calm = needed(heli)
     flight = fly(heli, mode, "r", *calm, plan=GUSTY)
