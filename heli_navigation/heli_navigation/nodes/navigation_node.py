@@ -28,11 +28,11 @@ class NavigationProgram(ComponentProgram):
 
     def on_message(self, topic: str, data: bytes) -> None:
         """Hand the numbers to the navigator, publish what it gives back, tell a change of its sensors."""
-        stamp_ns, values = self._unpack[topic](data)
-        self.publish(self._navigator.receive(topic, stamp_ns, values))
+        super().on_message(topic, data)
         said = self._navigator.complaints
         if said != self._told and self.connection is not None:
             self._told = said
+            stamp_ns, _ = self._unpack[topic](data)
             self.connection.diagnose(stamp_ns, "warn" if said else "ok", said or "all sensors are there")
 
 
