@@ -9,7 +9,6 @@ and the bag ends with the last flush. Messages are kept as they came, log time =
 from __future__ import annotations
 
 import contextlib
-import functools
 import itertools
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +18,6 @@ from typing import Any
 
 import numpy as np
 import zstandard
-from rosbags.typesys import Stores, get_typestore
 
 from heli_common.errors import InputError
 from heli_common.files import write_atomically
@@ -34,9 +32,11 @@ from heli_flight.bag_metadata import (
     dump_yaml,
     metadata_text,
     qos_profile,
+    with_topics,
 )
 from heli_flight.bag_reader import Bag, read_bag, topic_name
 from heli_flight.mcap_file import McapFile
+from heli_flight.message_definition import message_definition
 from heli_flight.sqlite_file import SqliteFile
 
 __all__ = ["STORAGES", "Bag", "BagWriter", "read_bag", "topic_name"]
@@ -144,7 +144,7 @@ class BagWriter:
         """
         if name in self._topics:
             raise ValueError(f"topic {name!r} is announced already")
-        definition, type_hash = _message_definition(ros_type)
+        definition, type_hash = message_definition(ros_type)
         if ros_type not in self._schemas:
             self._schemas[ros_type] = self._file.add_schema(ros_type, definition, type_hash)
         qos = qos_profile(depth, transient_local)
@@ -216,7 +216,7 @@ class BagWriter:
         self._open = False
         try:
             self._settle()
-            self._file.close(dump_yaml(self._information()))
+            self._file.close(dump_yaml(with_topics(self._information(), self._topics.values())))
             if self._packs:
                 self._packed = _pack(self._file.path).name
             self._write_metadata()
@@ -271,11 +271,8 @@ class BagWriter:
 
 def _same_size(messages: list[bytes]) -> list[tuple[int, int]]:
     """First and behind the last of every run of messages of one size."""
-    if len(set(map(len, messages))) == 1:
-        return [(0, len(messages))]
-    sizes = np.fromiter(map(len, messages), dtype=np.int64, count=len(messages))
-    ends = [0, *(np.flatnonzero(np.diff(sizes)) + 1).tolist(), len(messages)]
-    return list(itertools.pairwise(ends))
+    lengths = (len(list(run)) for _, run in itertools.groupby(messages, len))
+    return list(itertools.pairwise(itertools.accumulate(lengths, initial=0)))
 
 
 def _pack(path: Path) -> Path:
@@ -294,17 +291,3 @@ def _checked(custom_data: Mapping[str, str]) -> dict[str, str]:
         if not isinstance(key, str) or not isinstance(value, str):
             raise ValueError(f"custom data {key!r}: {value!r} is not text")
     return dict(custom_data)
-
-
-@functools.cache
-def _message_definition(ros_type: str) -> tuple[str, str]:
-    """Text of a message definition with all it contains, and its RIHS01 hash."""
-    store = _typestore()
-    if ros_type not in store.types:
-        raise ValueError(f"type {ros_type!r} is not known in ROS 2 Jazzy")
-    return str(store.generate_msgdef(ros_type, ros_version=2)[0]), str(store.hash_rihs01(ros_type))
-
-
-@functools.cache
-def _typestore() -> Any:
-    return get_typestore(Stores.ROS2_JAZZY)
