@@ -28,7 +28,7 @@ from heli_flight.mode import COMPOSED_PROCESS, Mode
 from heli_flight.order import FlightOrder
 from heli_flight.plan import load_plan
 from heli_flight.process_group import ProcessGroup
-from heli_flight.process_table import environment, processes
+from heli_flight.process_table import environment, processes, usable_cores
 from heli_flight.processor_time import node_of, processor_seconds
 from heli_flight.progress import Progress
 
@@ -100,8 +100,11 @@ def floor(mode: Mode, scheduled: bool) -> Watch:
     commands = {}
     for node in [nodes[0]] if mode is Mode.COMPOSED else nodes:
         name = COMPOSED_PROCESS if mode is Mode.COMPOSED else node.name
-        priority = (node.priority if paced else node.lockstep_priority) if scheduled else 0
-        settings = {"running": ",".join(each.name for each in nodes), "real_time_priority": priority}
+        settings: dict[str, str | int] = {"running": ",".join(each.name for each in nodes)}
+        if scheduled:
+            settings["real_time_priority"] = node.priority if paced else node.lockstep_priority
+        if scheduled and mode is Mode.LOCKSTEP:
+            settings["core"] = node.lockstep_core(usable_cores())
         settings |= {"paced": int(paced)} if node is nodes[0] else {}
         words = [word for key, value in settings.items() for word in ("-p", f"{key}:={value}")]
         commands[name] = [sys.executable, str(FLOOR), name, "--ros-args", *words]

@@ -17,18 +17,17 @@ from heli_common.rotations import (
     divided,
     euler_from_unit,
     is_rotation,
-    multiply,
     norm,
     quaternion_from_euler,
 )
-from heli_common.vehicle_state import quaternion_enu, quaternion_ned, swap_body, swap_earth
+from heli_common.vehicle_state import quaternion_enu, swap_body, swap_earth, swap_frames
 
 Array = NDArray[np.float64]
 
 for _function in (
     canonical,
-    multiply,
     quaternion_from_euler,
+    swap_frames,
     quaternion_enu,
     swap_body,
     swap_earth,
@@ -36,7 +35,6 @@ for _function in (
     is_rotation,
     divided,
     euler_from_unit,
-    quaternion_ned,
 ):
     callable_too(_function)
 
@@ -77,7 +75,7 @@ def read_pose(values: Array, pose: Array) -> bool:
     Returns:
         False, and nothing written, if the quaternion is zero or not finite.
     """
-    turned = quaternion_ned(Quaternion(values[3], values[4], values[5], values[6]))
+    turned = swap_frames(Quaternion(values[3], values[4], values[5], values[6]))
     length = norm(turned)
     if not is_rotation(length):
         return False

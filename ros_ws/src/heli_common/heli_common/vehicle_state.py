@@ -16,7 +16,6 @@ from heli_common.rotations import (
     Vector3,
     canonical,
     euler_from_quaternion,
-    multiply,
     quaternion_from_euler,
 )
 
@@ -26,10 +25,7 @@ IMU_FRAME = "imu_link"
 HEADING_FRAME = "heading"
 
 _HALF = sqrt(0.5)
-_NED_TO_ENU = Quaternion(_HALF, _HALF, 0.0, 0.0)
-"""Half a turn about the axis between north and east; it is its own inverse (up to sign)."""
-_FLU_TO_FRD = Quaternion(1.0, 0.0, 0.0, 0.0)
-"""Half a turn about the nose axis."""
+"""Vector parts of half a turn about the axis between north and east."""
 
 UNKNOWN_VARIANCE = 1e6
 """Variance of a pose that nobody knows yet, because the encoders are not indexed."""
@@ -69,7 +65,7 @@ def swap_body(vector: Vector3) -> Vector3:
 
 def quaternion_enu(attitude: Euler) -> Quaternion:
     """Attitude as ROS has it: FLU body to ENU earth, scalar part not negative."""
-    return canonical(multiply(_NED_TO_ENU, multiply(quaternion_from_euler(attitude), _FLU_TO_FRD)))
+    return canonical(swap_frames(quaternion_from_euler(attitude)))
 
 
 def attitude_ned(quaternion: Quaternion) -> Euler:
@@ -78,12 +74,19 @@ def attitude_ned(quaternion: Quaternion) -> Euler:
     Raises:
         ValueError: the quaternion is zero or not finite.
     """
-    return euler_from_quaternion(quaternion_ned(quaternion))
+    return euler_from_quaternion(swap_frames(quaternion))
 
 
-def quaternion_ned(quaternion: Quaternion) -> Quaternion:
-    """FRD body to NED earth from FLU body to ENU earth, of any length."""
-    return multiply(_NED_TO_ENU, multiply(quaternion, _FLU_TO_FRD))
+def swap_frames(quaternion: Quaternion) -> Quaternion:
+    """FRD body to NED earth from FLU body to ENU earth, of any length, or the other way (up to sign).
+
+    The product with half a turn about the nose on its right and half a turn about the axis between north and
+    east on its left, (1, 0, 0, 0) and (1, 1, 0, 0) / sqrt 2, without their zeros.
+    """
+    x, y, z, w = quaternion
+    h = _HALF
+    # the zero in front keeps what is level and heads north from becoming minus zero
+    return Quaternion(0.0 - h * x - h * y, 0.0 + h * y - h * x, 0.0 + h * z - h * w, 0.0 - h * w - h * z)
 
 
 def pose_values(position: Vector3, attitude: Euler) -> tuple[float, ...]:

@@ -13,6 +13,7 @@ from heli_common.rotations import (
     Quaternion,
     euler_from_quaternion,
     matrix_from_euler,
+    multiply,
     quaternion_from_euler,
     rotate,
     transpose,
@@ -27,6 +28,7 @@ from heli_common.vehicle_state import (
     pose_values,
     quaternion_enu,
     state_from_odometry,
+    swap_frames,
     twist_from_values,
     twist_values,
 )
@@ -62,6 +64,23 @@ def test_position_and_velocity_cross_the_boundary_by_hand():
     values = pose_values((1.0, 2.0, 3.0), Euler(0.0, 0.0, 0.0))
     assert values[:3] == (2.0, 1.0, -3.0)
     assert twist_values((1.0, 2.0, 3.0), (4.0, 5.0, 6.0)) == (1.0, -2.0, -3.0, 4.0, -5.0, -6.0)
+
+
+def half_turned(quaternion):
+    """A quaternion between half a turn about the axis between north and east and one about the nose."""
+    half = math.sqrt(0.5)
+    earth, body = Quaternion(half, half, 0.0, 0.0), Quaternion(1.0, 0.0, 0.0, 0.0)
+    return multiply(earth, multiply(quaternion, body))
+
+
+@given(st.builds(Quaternion, NUMBER, NUMBER, NUMBER, NUMBER))
+def test_frames_are_swapped_by_two_half_turns(quaternion):
+    assert swap_frames(quaternion) == half_turned(quaternion), "the same bits"
+
+
+def test_a_helicopter_that_stands_keeps_its_zeros():
+    quaternion = quaternion_enu(Euler(0.0, 0.0, 0.0))
+    assert str(swap_frames(quaternion)) == str(half_turned(quaternion)), "and their signs"
 
 
 @settings(deadline=None, max_examples=200)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from heli_bench_sim.fault_words import to_mappings
 from heli_common import topics
 from heli_flight.mode import Mode
 from heli_flight.order import FlightOrder
 from heli_flight.plan import GUSTY, Plan
-from heli_flight.process_table import Process
+from heli_flight.process_table import Process, usable_cores
 
 Settings = dict[str, str | int | float]
 
@@ -32,6 +32,7 @@ class FlightSettings:
         notes: file of what the bag shall carry.
         storage: way of storing the bag, see `bag.STORAGES`.
         scheduled: whether real-time scheduling is asked for.
+        cores: on which nodes that have a process of their own may run.
     """
 
     plan: Plan | None
@@ -45,6 +46,7 @@ class FlightSettings:
     notes: str = ""
     storage: str = "mcap"
     scheduled: bool = True
+    cores: tuple[int, ...] = field(default_factory=usable_cores)
 
     @classmethod
     def of_order(cls, order: FlightOrder, notes: str) -> FlightSettings:
@@ -61,6 +63,7 @@ class FlightSettings:
             notes=notes,
             storage=order.storage,
             scheduled=order.real_time_scheduling,
+            cores=() if order.mode.composed else usable_cores(),
         )
 
     def of(self, process: Process, running: Iterable[str]) -> Settings:
@@ -70,11 +73,12 @@ class FlightSettings:
             process: of the table.
             running: names of the nodes of the flight.
         """
-        priority = process.priority if self.mode == Mode.REALTIME.value else process.lockstep_priority
-        common: Settings = {
-            "running": ",".join(running),
-            "real_time_priority": priority if self.scheduled else 0,
-        }
+        common: Settings = {"running": ",".join(running), "real_time_priority": 0}
+        if self.scheduled and self.mode == Mode.REALTIME.value:
+            common["real_time_priority"] = process.priority
+        elif self.scheduled:
+            common["real_time_priority"] = process.lockstep_priority
+            common["core"] = process.lockstep_core(self.cores)
         own: dict[str, Settings] = {
             topics.BENCH_SIM: self._of_bench(),
             topics.SUPERVISOR: {"plan": self.plan_name},

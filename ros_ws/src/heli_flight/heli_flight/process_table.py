@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from heli_common import topics
@@ -33,6 +34,14 @@ class Process:
         """
         return 1 if self.name == topics.RECORDER else 2
 
+    def lockstep_core(self, cores: Sequence[int]) -> int:
+        """Which of the cores it stays on in lockstep, -1 for any.
+
+        Of two cores each has its own nodes, which find in its cache what they left there. With more, or with
+        one, all run anywhere.
+        """
+        return cores[_PLACES[self.name]] if len(cores) == 2 and self.name in _PLACES else -1
+
     @property
     def executable(self) -> str:
         """Installed name of the node's command."""
@@ -50,6 +59,17 @@ class Process:
 
 
 _VERBS = {topics.RECORDER: "record"}
+
+_PLACES = {
+    topics.BENCH_SIM: 0,
+    topics.NAVIGATION: 1,
+    topics.SUPERVISOR: 0,
+    topics.POSITION_CONTROLLER: 1,
+    topics.ATTITUDE_CONTROLLER: 0,
+    topics.MOTOR_CONTROLLER: 0,
+}
+"""First or second core of two. Who answers is not where the one that asks still has something to do; the
+recorder, for whom nobody waits, runs where there is room."""
 
 
 PROCESSES: tuple[Process, ...] = (
@@ -78,3 +98,8 @@ def environment() -> dict[str, str]:
     """Environment of the nodes: discovery stays on this machine unless the user says otherwise."""
     defaults = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "OPENBLAS_NUM_THREADS": "1"}
     return defaults | dict(os.environ)
+
+
+def usable_cores() -> tuple[int, ...]:
+    """Numbers of the cores that this process may run on; empty where the system does not say."""
+    return tuple(sorted(os.sched_getaffinity(0))) if hasattr(os, "sched_getaffinity") else ()

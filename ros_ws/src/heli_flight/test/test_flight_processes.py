@@ -5,6 +5,8 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from time import monotonic
 
@@ -169,6 +171,32 @@ def test_the_bench_comes_first_and_the_recorder_last_in_real_time(mode):
 def test_ordinary_scheduling_where_it_is_asked_for(mode):
     settings = FlightSettings.of_order(order(mode, scheduled=False), "")
     assert {settings.of(each, NODE_NAMES)["real_time_priority"] for each in processes(True)} == {0}
+
+
+def cores_of(mode, cores, scheduled=True):
+    """Core of each node that is told one."""
+    settings = replace(FlightSettings.of_order(order(mode, scheduled=scheduled), ""), cores=cores)
+    told = {each.name: settings.of(each, NODE_NAMES) for each in processes(True)}
+    return {name: own["core"] for name, own in told.items() if "core" in own}
+
+
+def test_in_lockstep_those_that_answer_each_other_have_a_core_each_of_two():
+    core = cores_of(Mode.LOCKSTEP, (2, 5))
+    chain = ["bench_sim", "navigation", "supervisor", "position_controller", "attitude_controller"]
+    assert {core[name] for name in chain} == {2, 5}
+    assert all(core[first] != core[second] for first, second in pairwise(chain))
+    assert core["recorder"] == -1, "wherever there is room"
+
+
+@pytest.mark.parametrize("cores", [(), (3,), (0, 1, 2)])
+def test_with_one_core_or_more_than_two_all_run_anywhere(cores):
+    assert set(cores_of(Mode.LOCKSTEP, cores).values()) == {-1}
+
+
+def test_nobody_has_a_core_of_his_own_where_time_is_kept_or_ordinary_scheduling_asked_for():
+    assert cores_of(Mode.REALTIME, (0, 1)) == {}
+    assert cores_of(Mode.LOCKSTEP, (0, 1), scheduled=False) == {}
+    assert FlightSettings.of_order(order(Mode.COMPOSED), "").cores == (), "nodes share a process"
 
 
 def test_a_warning_that_holds_for_all_nodes_is_said_once(monkeypatch):

@@ -31,7 +31,7 @@ from heli_common.nodes.intra_process import IntraProcess  # noqa: E402
 from heli_common.nodes.node_run import WIRING_SECONDS, NodeRun  # noqa: E402
 from heli_common.nodes.parameters import declare_integer, declare_names  # noqa: E402
 from heli_common.nodes.program import ComponentProgram, Program  # noqa: E402
-from heli_common.nodes.scheduling import become_real_time  # noqa: E402
+from heli_common.nodes.scheduling import become_real_time, stay_on  # noqa: E402
 
 __all__ = ["Build", "ComponentProgram", "Program", "run_node", "run_nodes"]
 
@@ -43,6 +43,9 @@ WAIT_SECONDS = 0.02
 
 FREE_SECONDS = 0.0005
 """Parameters and services take less; before an instant that is nearer they wait, if not for long."""
+
+MOST_CORES = 8191
+"""Highest number that Linux gives to a core."""
 
 QUIET = ("--ros-args", "--disable-stdout-logs", "--disable-external-lib-logs")
 
@@ -89,7 +92,7 @@ def _run(words: Sequence[str], builds: Mapping[str, tuple[Build, Sequence[str] |
         return EXIT_BAD_INPUT
     nodes: list[Node] = []
     runs: list[NodeRun] = []
-    priority = 0
+    priority, core = 0, -1
     try:
         for who, (build, arguments) in builds.items():
             own = {} if arguments is None else {"cli_args": list(arguments), "use_global_arguments": False}
@@ -97,10 +100,12 @@ def _run(words: Sequence[str], builds: Mapping[str, tuple[Build, Sequence[str] |
             text = "SCHED_FIFO priority, 0 for none"
             own_priority = declare_integer(nodes[-1], "real_time_priority", 0, text, 0, 90)
             priority = max(priority, own_priority)  # one process has one
+            text = "core of the machine that its process stays on, -1 for any"
+            core = max(core, declare_integer(nodes[-1], "core", -1, text, -1, MOST_CORES))
             text = "nodes of this graph, comma-separated: publishers wait for those among them that listen"
             running = declare_names(nodes[-1], "running", text)
             runs.append(NodeRun(nodes[-1], build(nodes[-1], running), running))
-        _Loop(runs).run(priority)
+        _Loop(runs).run(priority, core)
         return next((run.code for run in runs if run.code), EXIT_FLOWN)
     except (InputError, rclpy.exceptions.ParameterException) as error:
         sys.stderr.write(f"{who}: {error}\n")
@@ -127,7 +132,7 @@ class _Loop:
         for run in runs:
             self._executor.add_node(run.node)
 
-    def run(self, priority: int) -> None:
+    def run(self, priority: int, core: int) -> None:
         """Until a signal, a failure or the end of those that end by themselves.
 
         The flight begins when all nodes have said that they are ready, so scheduling comes before that: the
@@ -136,7 +141,7 @@ class _Loop:
         try:
             self._serve_until(NodeRun.wired)
             if not self._over:
-                self._schedule(priority)
+                self._schedule(priority, core)
                 self._serve(0.0)  # another node of this name may have spoken meanwhile
             self._serve_until(NodeRun.start)
             self._turns()
@@ -197,8 +202,9 @@ class _Loop:
     def _serve(self, seconds: float) -> None:
         self._executor.spin_until_future_complete(self._never, timeout_sec=seconds)
 
-    def _schedule(self, priority: int) -> None:
-        refused = become_real_time(priority)
-        if refused:
-            name = self._runs[0].program.name
+    def _schedule(self, priority: int, core: int) -> None:
+        name = self._runs[0].program.name
+        if refused := become_real_time(priority):
             sys.stderr.write(f"{name}: warning: {refused}; ordinary scheduling\n")
+        if refused := stay_on(core):
+            sys.stderr.write(f"{name}: warning: {refused}; any core\n")

@@ -24,11 +24,37 @@ def become_real_time(priority: int) -> str:
     if priority <= 0:
         return ""
     try:
-        for task in Path("/proc/self/task").iterdir():
-            os.sched_setscheduler(int(task.name), os.SCHED_FIFO, os.sched_param(priority))
+        for thread in _threads():
+            os.sched_setscheduler(thread, os.SCHED_FIFO, os.sched_param(priority))
     except (OSError, AttributeError) as error:
         return f"SCHED_FIFO is not permitted ({error})"
     return ""
+
+
+def stay_on(core: int) -> str:
+    """Keep every thread of this process on one core of the machine, from now on.
+
+    To be called when all threads of the middleware exist. Not being permitted is no error.
+
+    Args:
+        core: its number, negative for any.
+
+    Returns:
+        an empty string, or, where a core was asked for, why the process runs on any.
+    """
+    if core < 0:
+        return ""
+    try:
+        for thread in _threads():
+            os.sched_setaffinity(thread, {core})
+    except (OSError, AttributeError) as error:
+        return f"core {core} is not to be had ({error})"
+    return ""
+
+
+def _threads() -> list[int]:
+    """Numbers of the threads of this process."""
+    return [int(task.name) for task in Path("/proc/self/task").iterdir()]
 
 
 class Awake:
