@@ -140,6 +140,7 @@ class AttitudeController:
         self.exchanged: tuple[int, str] | None = None
         self._laws = LawExchange(law, CONTROL_PERIOD / p.exchange_time, self.limits.within)
         self._asked = list(law.trim)
+        self._sent: Sequence[float] = ()
         self._join = StampJoin(self.inputs)
 
     def replace(self, controller: ControllerFile) -> None:
@@ -156,6 +157,7 @@ class AttitudeController:
         Raises:
             ValueError: another topic, a number that is not finite, or no such flight state.
         """
+        self.update()
         require_finite(topic, values)
         ready = self._join.add(topic, stamp_ns, values)
         if ready is None:
@@ -176,11 +178,18 @@ class AttitudeController:
             command = [
                 faded(idle, asked, self.authority) for idle, asked in zip(self.idle, self._asked, strict=True)
             ]
-            if state.known:
-                self._laws.follow(command)
         message = (*command, *(0.0,) * 8)
         require_finite("servo_command", message)
+        if self.authority > 0.0 and state.known:
+            self._sent = command
         return [Message("servo_command", stamp_ns, message)]
+
+    def update(self) -> list[Message]:
+        """Let the states of the laws go on, once the command is out."""
+        if self._sent:
+            self._laws.follow(self._sent)
+            self._sent = ()
+        return []
 
     def _exchange(self, planned: int, stamp_ns: int) -> None:
         """Begin to fly what was asked for since the last sample."""

@@ -44,6 +44,7 @@ class DiscreteBlock:
         self._output = rows_of(np.hstack((system.C, system.D)))
         self._rest = (0.0,) * len(system.states)
         self._state = self._rest
+        self._column: tuple[float, ...] = ()
 
     @property
     def state(self) -> tuple[float, ...]:
@@ -59,13 +60,24 @@ class DiscreteBlock:
         Returns:
             a number per name in `outputs`.
         """
+        output = self.respond(inputs)
+        self.advance()
+        return output
+
+    def respond(self, inputs: Sequence[float]) -> tuple[float, ...]:
+        """Output of this sample, while the state waits for `advance`; arguments as for `step`."""
         if len(inputs) != len(self.inputs):
             raise ValueError(f"{len(inputs)} numbers for inputs {', '.join(self.inputs)}")
-        column = (*self._state, *inputs)
-        state, output = list(self._rest), [0.0] * len(self.outputs)
-        step_block(self._next, self._output, column, state, output)
-        self._state = tuple(state)
+        self._column = (*self._state, *inputs)
+        output = [0.0] * len(self.outputs)
+        multiply(self._output, self._column, output)
         return tuple(output)
+
+    def advance(self) -> None:
+        """Let the state go on to the next sample, by the inputs of the last `respond`."""
+        state = list(self._rest)
+        multiply(self._next, self._column, state)
+        self._state = tuple(state)
 
     def place(self, state: tuple[float, ...]) -> None:
         """Go on from another state.
@@ -160,26 +172,16 @@ def product(row: Numbers, column: Numbers) -> float:
     return total
 
 
-def step_block(
-    next_rows: Matrix,
-    output_rows: Matrix,
-    column: Numbers,
-    state: Written,
-    output: Written,
-) -> None:
-    """One step of x+ = A x + B u, y = C x + D u.
+def multiply(rows: Matrix, column: Numbers, result: Written) -> None:
+    """A matrix times a vector: [A B] (x, u) is x+, and [C D] (x, u) is y.
 
     Args:
-        next_rows: (n, n + m) [A B].
-        output_rows: (p, n + m) [C D].
-        column: (n + m,) state, then inputs.
-        state: (n,) receives x+.
-        output: (p,) receives y.
+        rows: (n, m).
+        column: (m,)
+        result: (n,) written.
     """
-    for index in range(len(state)):
-        state[index] = product(next_rows[index], column)
-    for index in range(len(output)):
-        output[index] = product(output_rows[index], column)
+    for index in range(len(result)):
+        result[index] = product(rows[index], column)
 
 
 def add_product(state: Written, rows: Matrix, column: Numbers) -> None:

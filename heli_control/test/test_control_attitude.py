@@ -83,6 +83,15 @@ class Driver:
         return self
 
 
+def test_it_does_not_matter_when_the_states_go_on() -> None:
+    """Right after the command, as nodes do it, or when the next message comes."""
+    prompt, late = Driver(LQ).engaged(), Driver(LQ).engaged()
+    for step in range(50):
+        state = HOVER._replace(velocity=(0.01 * step, -0.02, 0.03 * (step % 7)))
+        assert prompt.step(state) == late.step(state)
+        assert prompt.component.update() == []
+
+
 def test_hover_at_the_operating_point_is_trim() -> None:
     assert Driver(LQ).engaged().step() == pytest.approx(TRIM, abs=1e-12)
 

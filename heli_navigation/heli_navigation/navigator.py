@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from heli_common import topics
 from heli_common.component import Message
@@ -56,6 +57,18 @@ class NavigationParameters:
     )
 
 
+class _Sample(NamedTuple):
+    """What a sample said beside the angles of the arms, as far as `update` needs it."""
+
+    stamp_ns: int
+    gimbal: Sequence[float]
+    gyro: Vector3
+    accelerometer: Vector3
+    valid: bool
+    known: bool
+    """whether there was a pose before it"""
+
+
 class Navigator:
     """Component: Kalman filter of the bench, and the attitude by the IMU alone beside it.
 
@@ -95,6 +108,7 @@ class Navigator:
         self._imu: dict[int, Sequence[float]] = {}
         self._imu_silent = False
         self._last_ns: int | None = None
+        self._latest: _Sample | None = None
         self._alarms = self._filter.alarms
         self._complaints = ""
 
@@ -109,7 +123,9 @@ class Navigator:
         return self._complaints
 
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
-        """Take in one message; give back the outputs of every sample that is complete.
+        """Take in one message; give back the odometry of every sample that is complete.
+
+        What the IMU alone says of it comes by `update`.
 
         Raises:
             ValueError: another topic, or a number that is not finite.
@@ -138,14 +154,15 @@ class Navigator:
                     break
                 self._imu_silent = True
             self._encoders.popleft()
+            sent += self.update()
             self._sample(stamp_ns, values, felt)
-            sent += self._outputs(stamp_ns)
+            sent += self._odometry(stamp_ns)
         if self._imu and self._last_ns is not None and min(self._imu) <= self._last_ns:
             self._imu = {stamp: felt for stamp, felt in self._imu.items() if stamp > self._last_ns}
         return sent
 
     def _sample(self, stamp_ns: int, values: Sequence[float], felt: Sequence[float] | None) -> None:
-        """Bring the filters to one sample."""
+        """Bring the Kalman filter to one sample."""
         if self._last_ns is not None and stamp_ns - self._last_ns != SENSOR_PERIOD_NS:
             self.gaps += 1
             missing = (stamp_ns - self._last_ns) // SENSOR_PERIOD_NS - 1
@@ -158,16 +175,31 @@ class Navigator:
         indexed = values[_FIRST_EFFORT:]
         known = self._filter.known
         self._filter.step(values[0:3], values[3:6], indexed, gyro, accelerometer, valid)
+        self._latest = _Sample(stamp_ns, values[3:6], gyro, accelerometer, valid, known)
+
+    def _odometry(self, stamp_ns: int) -> list[Message]:
+        odometry = self._filter.odometry if self._filter.known else _NOWHERE
+        sent = [Message("odometry_imu", stamp_ns, odometry)]
+        # first, for a command waits for it
+        return [Message("odometry", stamp_ns, odometry), *sent] if is_control_tick(stamp_ns) else sent
+
+    def update(self) -> list[Message]:
+        """Take the latest sample into what the IMU alone says, once its odometry is out.
+
+        Returns:
+            attitude by the IMU and its biases, at a control tick.
+        """
+        if self._latest is None:
+            return []
+        stamp_ns, gimbal, gyro, accelerometer, valid, known = self._latest
+        self._latest = None
         self._by_imu.step(gyro, accelerometer, valid)
         if self._filter.known:
-            self._monitor.step(values[3:6], gyro, accelerometer, valid)
+            self._monitor.step(gimbal, gyro, accelerometer, valid)
             if not known:
                 self._by_imu.align(*self._filter.state.attitude)
-
-    def _outputs(self, stamp_ns: int) -> list[Message]:
-        odometry = self._filter.odometry if self._filter.known else _NOWHERE
         if not is_control_tick(stamp_ns):
-            return [Message("odometry_imu", stamp_ns, odometry)]
+            return []
         if self._filter.alarms != self._alarms:
             self._alarms = self._filter.alarms
             self._complaints = _complaints(self._filter.health)
@@ -176,8 +208,6 @@ class Navigator:
         biases = self._filter.biases
         biases[BiasMessage.noise : BiasMessage.deviation] = self._noise
         return [
-            Message("odometry", stamp_ns, odometry),  # first, for a command waits for it
-            Message("odometry_imu", stamp_ns, odometry),
             Message("imu_attitude", stamp_ns, self._by_imu.message),
             Message("imu_bias", stamp_ns, biases),
         ]

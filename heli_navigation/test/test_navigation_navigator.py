@@ -30,13 +30,18 @@ def counted(indexed: bool = True) -> tuple[float, ...]:
     return (*angles, *(0.0,) * 9, *(float(indexed),) * 6)
 
 
+def hear(navigator: Navigator, topic: str, stamp_ns: int, values: tuple[float, ...]) -> list[Message]:
+    """All that a message leads to."""
+    return navigator.receive(topic, stamp_ns, values) + navigator.update()
+
+
 def feed(navigator: Navigator, samples: range, imu: tuple[float, ...] | None = LEVEL) -> list[Message]:
     sent = []
     for sample in samples:
         stamp = sample * SENSOR_PERIOD_NS
-        sent += navigator.receive("encoders", stamp, counted())
+        sent += hear(navigator, "encoders", stamp, counted())
         if imu is not None:
-            sent += navigator.receive("imu", stamp, imu)
+            sent += hear(navigator, "imu", stamp, imu)
     return sent
 
 
@@ -92,7 +97,7 @@ def test_it_does_not_matter_which_of_two_inputs_comes_first(imu_first: list[bool
         stamp = sample * SENSOR_PERIOD_NS
         both = [("encoders", counted()), ("imu", LEVEL)]
         for topic, values in reversed(both) if first else both:
-            sent += navigator.receive(topic, stamp, values)
+            sent += hear(navigator, topic, stamp, values)
     assert on_the_wire(sent) == on_the_wire(in_step)
 
 
@@ -103,8 +108,28 @@ def test_an_imu_that_is_ahead_or_behind_by_some_samples_changes_nothing() -> Non
         for step in range(44):
             for topic, late, values in (("encoders", order[0], counted()), ("imu", order[1], LEVEL)):
                 if 0 <= step - late < 40:
-                    sent += navigator.receive(topic, (step - late) * SENSOR_PERIOD_NS, values)
+                    sent += hear(navigator, topic, (step - late) * SENSOR_PERIOD_NS, values)
         assert on_the_wire(sent) == on_the_wire(in_step)
+
+
+def test_the_odometry_is_there_before_what_nobody_waits_for() -> None:
+    in_step, navigator, sent = feed(new(), range(9)), new(), []
+    for sample in range(9):
+        stamp = sample * SENSOR_PERIOD_NS
+        navigator.receive("encoders", stamp, counted())
+        first = navigator.receive("imu", stamp, LEVEL)
+        assert {message.topic for message in first} <= {"odometry", "odometry_imu"}
+        sent += first + navigator.update()
+        assert navigator.update() == [], "once"
+    assert on_the_wire(sent) == on_the_wire(in_step)
+
+
+def test_without_being_asked_it_sends_the_rest_with_the_next_sample() -> None:
+    navigator, sent = new(), []
+    for sample in range(10):
+        sent += navigator.receive("encoders", sample * SENSOR_PERIOD_NS, counted())
+        sent += navigator.receive("imu", sample * SENSOR_PERIOD_NS, LEVEL)
+    assert on_the_wire(sent + navigator.update()) == on_the_wire(feed(new(), range(10)))
 
 
 def test_a_silent_imu_is_waited_for_once_and_welcomed_back() -> None:

@@ -8,7 +8,7 @@ three ways of running give the same bytes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, Protocol
 
 from heli_common.layout import Values
@@ -32,6 +32,16 @@ class Component(Protocol):
     def receive(self, topic: str, stamp_ns: int, values: Sequence[float]) -> list[Message]:
         """Take one message in; give back what it caused to be sent, in the order of sending."""
         ...
+
+
+def update_of(component: Component) -> Callable[[], list[Message]]:
+    """What is to be called when the messages of `receive` are out: the component's `update`, if it has one.
+
+    Somebody waits for a command, but nobody for the states of the next sample: `update` brings them up to
+    date and gives back what need not have gone out at once, as digital controllers do against computational
+    delay (Astrom, Wittenmark: Computer-Controlled Systems). Not called, it is done when the next message comes.
+    """
+    return getattr(component, "update", list)
 
 
 PATIENCE = 5

@@ -22,7 +22,7 @@ from heli_control.controller_file import SIGNALS
 from heli_control.motor_control import GovernorConstants, govern
 from heli_control.position_control import heading_errors, proportional_integral
 from heli_control.reference_model import respond
-from heli_control.state_space import add_product, product, step_block
+from heli_control.state_space import add_product, multiply, product
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -34,12 +34,12 @@ for _function in (
     heading_errors,
     limit_command,
     matrix_from_euler,
+    multiply,
     next_authority,
     product,
     proportional_integral,
     respond,
     rotate,
-    step_block,
     transpose,
     body_from_level,
 ):
@@ -242,7 +242,8 @@ def _axis_step(places: Indices, numbers: Array, signals: Array, commands: Array)
         column[index] = state[index]
     for index in range(m):
         column[n + index] = signals[places[3 + index]]
-    step_block(next_rows, output_rows, column, state, asked)
+    multiply(output_rows, column, asked)
+    multiply(next_rows, column, state)
     for index in range(p):
         channel = places[3 + m + index]
         commands[channel] = commands[channel] + asked[index]

@@ -9,11 +9,14 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from heli_bench_sim.simulator import BenchSimulator
-from heli_common.component import Component, Message
+from heli_common.component import Component, Message, update_of
 from heli_common.topics import TOPICS
 
 Sink = Callable[[str, int, bytes], None]
 """Called with topic, stamp [ns] and serialized message of everything that is sent."""
+
+Receive = Callable[[str, int, Sequence[float]], list[Message]]
+Update = Callable[[], list[Message]]
 
 
 class InProcessGraph:
@@ -28,10 +31,11 @@ class InProcessGraph:
     def __init__(self, bench: BenchSimulator, components: Sequence[Component], sink: Sink) -> None:
         self.bench = bench
         self._sink = sink
-        self._receivers: dict[str, list[Component]] = {}
+        self._receivers: dict[str, list[tuple[Receive, Update]]] = {}
         for component in (*components, bench):
             for topic in component.inputs:
-                self._receivers.setdefault(topic, []).append(component)
+                called = (component.receive, update_of(component))
+                self._receivers.setdefault(topic, []).append(called)
 
     def advance(self) -> None:
         """Go on by one sensor period and let everybody act on the sample.
@@ -55,6 +59,7 @@ class InProcessGraph:
             return []
         _, received = layout.unpack(data)
         sent: list[Message] = []
-        for component in receivers:
-            sent += component.receive(topic, stamp_ns, received)
+        for receive, update in receivers:
+            sent += receive(topic, stamp_ns, received)
+            sent += update()
         return sent

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from heli_common.component import Message
+from heli_common.component import Message, update_of
 from heli_common.errors import InputError
 from heli_common.flight_state import flight_state_from_code
 from heli_common.topics import DATA_TOPICS, TOPICS
@@ -81,12 +81,13 @@ def _run(bag: Bag, replayed: Replayed) -> list[Message]:
     ]
     heard.sort(key=lambda entry: entry[:2])
     requests = list(replayed.requests)
-    sent: list[Message] = []
+    update, sent = update_of(component), list[Message]()
     for stamp_ns, _, topic, data in heard:
         while requests and requests[0][0] <= stamp_ns:
             replayed.ask(*requests.pop(0))
         _, values = TOPICS[topic].layout.unpack(data)
         sent += component.receive(topic, stamp_ns, values)
+        sent += update()
     return sent
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from heli_common.component import Component, Message
+from heli_common.component import Component, Message, update_of
 from heli_common.nodes.connection import Connection
 from heli_common.topics import TOPICS
 
@@ -63,6 +63,7 @@ class ComponentProgram:
         self.waking: tuple[str, ...] = getattr(component, "waking", component.inputs)
         self.finished = False
         self._unpack = {topic: TOPICS[topic].layout.unpack for topic in component.inputs}
+        self._update = update_of(component)
         self.connection: Connection | None = None
 
     def start(self, connection: Connection) -> None:
@@ -70,9 +71,10 @@ class ComponentProgram:
         self.connection = connection
 
     def on_message(self, topic: str, data: bytes) -> None:
-        """Hand the numbers to the component and publish what it gives back."""
+        """Hand the numbers to the component and publish what it gives back, then what could wait."""
         stamp_ns, values = self._unpack[topic](data)
         self.publish(self.component.receive(topic, stamp_ns, values))
+        self.publish(self._update())
 
     def publish(self, messages: list[Message]) -> None:
         """Send messages of the component."""
