@@ -1,4 +1,4 @@
-"""The helicopter's frame on `tf`, live: 20 times a second what `ground_truth` says, in the form of tf2_msgs."""
+"""The helicopter's frame on `tf`, live: 20 times a second what `ground_truth` says, as a TFMessage."""
 
 import json
 import sys

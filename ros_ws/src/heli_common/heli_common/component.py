@@ -39,7 +39,7 @@ def update_of(component: Component) -> Callable[[], list[Message]]:
 
     Somebody waits for a command, but nobody for the states of the next sample: `update` brings them up to
     date and gives back what need not have gone out at once, as digital controllers do against computational
-    delay (Astrom, Wittenmark: Computer-Controlled Systems). Not called, it is done when the next message comes.
+    delay (Astrom, Wittenmark: Computer-Controlled Systems). Not called, it is done with the next message.
     """
     return getattr(component, "update", list)
 
