@@ -26,8 +26,11 @@ STATUS_PERIOD_NS = 1_000_000_000
 IDLE_SECONDS = 0.02
 CLOSING_SECONDS = 5.0
 
-CATCH_UP_SECONDS = CONTROL_PERIOD_NS * 1e-9
-"""A bench further behind the wall clock than this does not hurry after it: its time has stood still."""
+CATCH_UP_SECONDS = SENSOR_PERIOD_NS * 1e-9
+"""A bench further behind the wall clock than this does not hurry after it: its time has stood still.
+
+It is behind by a whole sample then, half of the time in which a command must come.
+"""
 
 
 class BenchProgram:
