@@ -177,7 +177,7 @@ def multiply(rows: Matrix, column: Numbers, result: Written) -> None:
 
     Args:
         rows: (n, m).
-        column: (m,)
+        column: (m,) numbers.
         result: (n,) written.
     """
     for index in range(len(result)):
