@@ -32,8 +32,8 @@ def hear(topic, data):
         publisher.publish(odometry.pack(stamps[-1], [0.0] * len(odometry.fields)))
 
 print("up", flush=True)
-while not stamps or inbox.publisher_count("imu"):
-    if not inbox.take(hear):
+while (taken := inbox.take(hear)) or not stamps or inbox.publisher_count("imu"):
+    if not taken:
         inbox.incomplete()
         rclpy.spin_once(node, timeout_sec=0.001)
 json.dump([stamps, len(said)], sys.stdout)
@@ -41,7 +41,8 @@ json.dump([stamps, len(said)], sys.stdout)
 
 
 def test_a_stranger_hears_a_composed_flight_and_does_not_disturb_it(heli):
-    (heli.folder / "plan.yaml").write_text(brief())
+    # long enough for a stranger that has to wait for a core of its own
+    (heli.folder / "plan.yaml").write_text(brief("hover: {duration: 20.0}"))
     words = ("fly", "plan.yaml", "--json", "--no-report")
     alone = json.loads(heli(*words, "--mode", "inprocess", "--name", "alone").stdout)
     stranger = heli.start_process(sys.executable, "-c", STRANGER)

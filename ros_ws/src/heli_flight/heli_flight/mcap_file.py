@@ -122,16 +122,13 @@ class McapFile:
         self._pending += record
 
     def add_messages(self, channel: int, stamps: NDArray[np.int64], size: int, data: bytes) -> None:
-        """Append messages of one size; log time and publish time of each is its stamp [ns].
+        """Append messages of one size, written by the next flush; log and publish time of each is its stamp.
 
         Args:
             channel: of `add_channel`.
             stamps: of the messages [ns], shape (n,).
             size: bytes of each.
             data: the messages behind each other.
-
-        Raises:
-            OSError: the file cannot be written.
         """
         count, record = len(stamps), _record_type(size)
         start, self._size = self._size, self._size + count * record.itemsize
@@ -148,7 +145,7 @@ class McapFile:
         self._chunk_first_ns = min(self._chunk_first_ns, int(stamps.min()))
         self._chunk_last_ns = max(self._chunk_last_ns, int(stamps.max()))
         if self._size > CHUNK_BYTES:
-            self.flush()
+            self._close_chunk()
 
     def flush(self) -> None:
         """Write everything and a new end of the file.

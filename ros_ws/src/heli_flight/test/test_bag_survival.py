@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import errno
 import json
+import os
 import resource
 import shutil
 import signal
@@ -12,6 +14,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader
@@ -22,6 +25,7 @@ from heli_flight.bag import STORAGES, BagWriter
 from heli_flight.bag_check import bag_state, write_again
 from heli_flight.bag_reader import read_bag
 from heli_flight.cli.main import main
+from heli_flight.mcap_file import CHUNK_BYTES
 
 SENSOR, CONTROL, SECOND = 2_500_000, 10_000_000, 1_000_000_000
 STORED = ("mcap", "sqlite3")
@@ -125,6 +129,38 @@ def test_a_full_disk_ends_in_one_line_and_a_whole_bag(
             assert stamps_of_mcap(folder) == stamps
         write_again(bag, tmp_path / f"{folder.name}_again")
         assert read_bag(tmp_path / f"{folder.name}_again").messages == bag.messages
+
+
+def test_what_is_flushed_together_is_kept_or_lost_together(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A batch of more than a chunk finds the disk full: no topic of it is in the bag, long as it may be."""
+    draw = np.random.default_rng(1)
+
+    def batch(first: int, count: int) -> dict[str, tuple[list[int], list[bytes]]]:
+        stamps = [k * SENSOR for k in range(first, first + count)]
+        layouts = {topic: TOPICS[topic].layout for topic in ("encoders", "odometry_imu")}
+        return {
+            topic: (stamps, [layout.pack(at, draw.standard_normal(len(layout.fields))) for at in stamps])
+            for topic, layout in layouts.items()
+        }
+
+    writer = BagWriter(tmp_path / "bag")
+    for topic in ("encoders", "odometry_imu"):
+        writer.add_topic(topic, TOPICS[topic].layout.ros_type)
+    writer.write_all(batch(0, 4))
+    room, pwrite = 4 * CHUNK_BYTES, os.pwrite  # for the encoders, not for the odometry
+
+    def write(descriptor: int, data: bytes, position: int) -> int:
+        if position + len(data) > room:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return pwrite(descriptor, data, position)
+
+    monkeypatch.setattr(os, "pwrite", write)
+    with pytest.raises(OSError, match=r"No space left on device; the bag ends at 0\.01 s"):
+        writer.write_all(batch(4, 4000))
+    stamps = read_bag(tmp_path / "bag").stamps
+    assert stamps == {topic: [0, SENSOR, 2 * SENSOR, 3 * SENSOR] for topic in ("encoders", "odometry_imu")}
 
 
 def test_a_disk_that_is_full_from_the_start_is_refused(tmp_path: Path) -> None:
