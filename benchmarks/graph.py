@@ -102,9 +102,7 @@ def floor(mode: Mode, scheduled: bool) -> Watch:
         name = COMPOSED_PROCESS if mode is Mode.COMPOSED else node.name
         settings: dict[str, str | int] = {"running": ",".join(each.name for each in nodes)}
         if scheduled:
-            settings["real_time_priority"] = node.priority if paced else node.lockstep_priority
-        if scheduled and mode is Mode.LOCKSTEP:
-            settings["core"] = node.lockstep_core(usable_cores())
+            settings |= node.scheduling(paced, () if mode is Mode.COMPOSED else usable_cores())
         settings |= {"paced": int(paced)} if node is nodes[0] else {}
         words = [word for key, value in settings.items() for word in ("-p", f"{key}:={value}")]
         commands[name] = [sys.executable, str(FLOOR), name, "--ros-args", *words]

@@ -178,10 +178,10 @@ class AttitudeController:
             command = [
                 faded(idle, asked, self.authority) for idle, asked in zip(self.idle, self._asked, strict=True)
             ]
+            if state.known:
+                self._sent = command
         message = (*command, *(0.0,) * 8)
         require_finite("servo_command", message)
-        if self.authority > 0.0 and state.known:
-            self._sent = command
         return [Message("servo_command", stamp_ns, message)]
 
     def update(self) -> list[Message]:

@@ -62,27 +62,23 @@ class _Axis:
         by_output, by_input = settling_maps(axis)
         self._settling = rows_of(np.hstack((by_output, by_input)))
         self._asked = (0.0,) * len(self.given)
-        self._block = DiscreteBlock(system)
-        self._waiting = False
+        self.block = DiscreteBlock(system)
 
     def step(self, signals: Sequence[float], commands: list[float]) -> None:
-        """Write what this axis asks for; the state goes on when that is out, as if it were applied."""
-        self._go_on()
-        self._asked = self._block.respond([signals[index] for index in self._taken])
-        self._waiting = True
+        """Write what this axis asks for; the state goes on as if that were applied."""
+        self._asked = self.block.step([signals[index] for index in self._taken])
         for index, trim, asked in zip(self.given, self._trim, self._asked, strict=True):
             commands[index] = trim + asked
 
     def follow(self, applied: Sequence[float]) -> None:
-        """Let the state go on, corrected by what was applied instead."""
-        self._go_on()
+        """Correct the state by what was applied instead."""
         missed = tuple(
             applied[index] - trim - asked
             for index, trim, asked in zip(self.given, self._trim, self._asked, strict=True)
         )
-        state = list(self._block.state)
+        state = list(self.block.state)
         add_product(state, self._correction, missed)
-        self._block.place(tuple(state))
+        self.block.place(tuple(state))
 
     def settle(self, signals: Sequence[float], commands: Sequence[float]) -> None:
         """Take the state of (1)."""
@@ -92,18 +88,7 @@ class _Axis:
             for index, trim, row in zip(self.given, self._trim, self._direct, strict=True)
         )
         column = (*wanted, *inputs)
-        self._waiting = False
-        self._block.place(tuple(product(row, column) for row in self._settling))
-
-    def reset(self) -> None:
-        """Back to state zero."""
-        self._waiting = False
-        self._block.reset()
-
-    def _go_on(self) -> None:
-        if self._waiting:
-            self._block.advance()
-            self._waiting = False
+        self.block.place(tuple(product(row, column) for row in self._settling))
 
 
 class FlightLaw:
@@ -128,8 +113,6 @@ class FlightLaw:
 
     def step(self, state: VehicleState, velocity: Vector3, yaw_rate: float) -> list[float]:
         """Commands B_1s A_1s theta_0 theta_t asked for [rad].
-
-        The states go on at `follow` or, as if all that was asked for were applied, at the next step.
 
         Args:
             state: of the helicopter.
@@ -165,7 +148,7 @@ class FlightLaw:
     def reset(self) -> None:
         """Back to rest at the operating point."""
         for axis in self._axes:
-            axis.reset()
+            axis.block.reset()
 
     def _signals(self, state: VehicleState, velocity: Vector3, yaw_rate: float) -> tuple[float, ...]:
         """Numbers in the order of SIGNALS."""

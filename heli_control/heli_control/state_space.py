@@ -44,11 +44,15 @@ class DiscreteBlock:
         self._output = rows_of(np.hstack((system.C, system.D)))
         self._rest = (0.0,) * len(system.states)
         self._state = self._rest
-        self._column: tuple[float, ...] = ()
+        self._column: tuple[float, ...] = ()  # of the last step, until the state has gone on by it
 
     @property
     def state(self) -> tuple[float, ...]:
-        """State before the next step."""
+        """State before the next step: worked out when it is asked for, so that no output waits for it."""
+        if self._column:
+            state = list(self._rest)
+            multiply(self._next, self._column, state)
+            self.place(tuple(state))
         return self._state
 
     def step(self, inputs: Sequence[float]) -> tuple[float, ...]:
@@ -60,24 +64,12 @@ class DiscreteBlock:
         Returns:
             a number per name in `outputs`.
         """
-        output = self.respond(inputs)
-        self.advance()
-        return output
-
-    def respond(self, inputs: Sequence[float]) -> tuple[float, ...]:
-        """Output of this sample, while the state waits for `advance`; arguments as for `step`."""
         if len(inputs) != len(self.inputs):
             raise ValueError(f"{len(inputs)} numbers for inputs {', '.join(self.inputs)}")
-        self._column = (*self._state, *inputs)
-        output = [0.0] * len(self.outputs)
-        multiply(self._output, self._column, output)
+        column, output = (*self.state, *inputs), [0.0] * len(self.outputs)
+        multiply(self._output, column, output)
+        self._column = column
         return tuple(output)
-
-    def advance(self) -> None:
-        """Let the state go on to the next sample, by the inputs of the last `respond`."""
-        state = list(self._rest)
-        multiply(self._next, self._column, state)
-        self._state = tuple(state)
 
     def place(self, state: tuple[float, ...]) -> None:
         """Go on from another state.
@@ -90,11 +82,11 @@ class DiscreteBlock:
         """
         if len(state) != len(self._rest):
             raise ValueError(f"{len(state)} numbers for {len(self._rest)} states")
-        self._state = state
+        self._state, self._column = state, ()
 
     def reset(self) -> None:
         """Back to state zero."""
-        self._state = self._rest
+        self.place(self._rest)
 
 
 def zero_order_hold(a: Array, b: Array, period: float) -> tuple[Array, Array]:

@@ -19,4 +19,3 @@ def warm_up() -> None:
         felt = imu_values((0.0, 0.0, 0.0), (0.0, 0.0, -9.81), (1e-5, 1e-3), valid)
         navigator.receive("encoders", stamp_ns, counted)
         navigator.receive("imu", stamp_ns, felt)
-        navigator.update()

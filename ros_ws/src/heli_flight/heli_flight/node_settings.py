@@ -74,11 +74,8 @@ class FlightSettings:
             running: names of the nodes of the flight.
         """
         common: Settings = {"running": ",".join(running), "real_time_priority": 0}
-        if self.scheduled and self.mode == Mode.REALTIME.value:
-            common["real_time_priority"] = process.priority
-        elif self.scheduled:
-            common["real_time_priority"] = process.lockstep_priority
-            common["core"] = process.lockstep_core(self.cores)
+        if self.scheduled:
+            common |= process.scheduling(self.mode == Mode.REALTIME.value, self.cores)
         own: dict[str, Settings] = {
             topics.BENCH_SIM: self._of_bench(),
             topics.SUPERVISOR: {"plan": self.plan_name},

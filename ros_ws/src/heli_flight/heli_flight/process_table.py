@@ -42,6 +42,17 @@ class Process:
         """
         return cores[_PLACES[self.name]] if len(cores) == 2 and self.name in _PLACES else -1
 
+    def scheduling(self, paced: bool, cores: Sequence[int]) -> dict[str, int]:
+        """Its parameters under real-time scheduling.
+
+        Args:
+            paced: whether the clock on the wall paces the bench.
+            cores: on which it may run.
+        """
+        if paced:
+            return {"real_time_priority": self.priority}
+        return {"real_time_priority": self.lockstep_priority, "core": self.lockstep_core(cores)}
+
     @property
     def executable(self) -> str:
         """Installed name of the node's command."""
